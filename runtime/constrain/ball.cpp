@@ -10,6 +10,6 @@ void fill(const JointInput& in, RowWriter& out) { fill_point_rows(world_anchors(
 
 }  // namespace
 
-JointKind constrain_ball() { return {"ball", "two anchors stay together", fill, no_coordinate, 0}; }
+JointKind constrain_ball() { return {"ball", "two anchors stay together", fill, no_coordinate, 0, WideRows::point}; }
 
 }  // namespace feder::joints

@@ -58,15 +58,23 @@ class RowWriter {
   int written_ = 0;
 };
 
+// Rows that solvers may evaluate themselves, many joints at a time, in place of fill(): a promise about what fill()
+// writes.
+//  none:  nothing is promised;
+//  point: one block of three stiff rows, those of fill_point_rows (frames.h): C = anchor b - anchor a by world axis.
+enum class WideRows : std::uint8_t { none, point };
+
 struct JointKind {
   const char* name;
   const char* summary;
-  // Fills the rows for the poses in `in`. The number of rows and blocks depends on the options only.
+  // Fills the rows for the poses in `in`. The number of rows and blocks, and which rows are stiff equalities, depend on
+  // the options only.
   void (*fill)(const JointInput& in, RowWriter& out);
   // The joint's coordinate: hinge angle (rad), distance or slide (m); 0 where there is none.
   Real (*coordinate)(const JointInput& in);
   // Options of this kind: bits of JointUses.
   unsigned uses;
+  WideRows wide = WideRows::none;  // whatever the options
 };
 enum JointUses : unsigned { kUsesLimits = 1, kUsesMotor = 2, kUsesSpring = 4, kUsesAxis = 8, kUsesTwoAnchors = 16 };
 

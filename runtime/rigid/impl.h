@@ -149,6 +149,7 @@ struct Rigid::Impl {
   Real row_compliance(std::uint32_t body, const Vec3& linear, const Vec3& angular) const;
   void fill_rows(std::uint32_t j, const JointInput& in) const;
   void activate_joints(StepContext& c);
+  void list_active_joints(StepContext& c);
   void load_inertia(std::uint32_t body);
   JointedBody* uneven_body(std::uint32_t index) { return uneven_of({jointed.data(), jointed.size()}, index); }
   void check_mass_ratio(std::uint32_t j, StepContext& c);
@@ -163,6 +164,7 @@ struct Rigid::Impl {
   std::uint32_t check_colliders(std::uint32_t i) const;  // how many it has
   void check_islands() const;
   void check_joint(std::uint32_t j) const;
+  void check_active_joints() const;
   void check_lists() const;
 
   Store& store;
@@ -219,6 +221,10 @@ struct Rigid::Impl {
   Array<JointRecord> records{&arena};
   Array<std::uint32_t> free_joints{&arena};
   std::uint32_t joint_count = 0;
+  Array<std::uint32_t> active_joints{&arena};     // with an awake side, ascending
+  Array<std::uint32_t> breakable_joints{&arena};  // of those
+  Array<std::uint32_t> joined_bodies{&arena};     // sides of those, ascending
+  bool joints_stale = true;         // those lists are: bodies woke or slept, or joints were made or removed
   mutable Array<Row> rows{&arena};  // for questions about joints
   mutable Array<RowBlock> blocks{&arena};
   Real last_h = Real(1) / 240;  // s

@@ -17,6 +17,7 @@
 #include "base/hash.h"
 #include "rigid/impulse_heap.h"
 #include "rigid/impulse_parts.h"
+#include "rigid/joint_load.h"
 #include "rigid/joint_trees.h"
 #include "rigid/union_find.h"
 
@@ -91,10 +92,10 @@ class ImpulseSolver final : public RigidSolver {
   Array<ImpulseJoint> joints_{&arena_};      // nodes after the contacts
   Array<Row> rows_{&arena_}, spare_rows_{&arena_};
   Array<RowBlock> blocks_{&arena_}, spare_blocks_{&arena_};
-  Array<ImpulseBlock> factors_{&arena_};                        // by block
-  JointTrees trees_{arena_};                                    // stiff joints without loops
-  Array<Real> tree_bias_{&arena_}, tree_step_{&arena_};         // by row
-  Array<Mat3> tree_inertia_{&arena_};                           // inverse, by solver index
+  Array<ImpulseBlock> factors_{&arena_};                                            // by block
+  JointTrees trees_{arena_};                                                        // stiff joints without loops
+  Array<Real> tree_bias_{&arena_}, tree_step_{&arena_}, tree_compliance_{&arena_};  // by row
+  Array<Mat3> tree_inertia_{&arena_};                                               // inverse, by solver index
   UnionFind groups_{arena_};                                    // of solver bodies that contacts and joints connect
   Array<std::uint32_t> island_of_{&arena_};                     // by solver index
   Array<std::uint32_t> node_island_{&arena_}, order_{&arena_};  // by node; by rank: the node
@@ -143,13 +144,13 @@ void ImpulseSolver::load_contacts(const SolverInput& in, const ImpulseScene& s) 
 
 void ImpulseSolver::load_joints(const SolverInput& in) {
   joints_.clear();
-  for (std::uint32_t i = 0; i < in.joints.size(); ++i) {
+  for (const std::uint32_t i : in.active_joints) {
     ImpulseJoint j;
     j.joint = i;
     j.a = in.solver_bodies->at(in.joints[i].slot_a);
     j.b = in.solver_bodies->at(in.joints[i].slot_b);
     FEDER_ASSERT(j.a < bodies_.size() && j.b < bodies_.size());
-    if (in.joints[i].active && (bodies_[j.a].movable || bodies_[j.b].movable)) joints_.push_back(j);
+    if (bodies_[j.a].movable || bodies_[j.b].movable) joints_.push_back(j);
   }
 }
 
@@ -317,7 +318,11 @@ void ImpulseSolver::factor_trees(const SolverInput& in, const StepContext& c) {
   if (trees_.empty()) return;
   tree_inertia_.resize(bodies_.size());
   for (std::size_t i = 0; i < bodies_.size(); ++i) tree_inertia_[i] = bodies_[i].inv_inertia;
-  trees_.factor(rows_, in, tree_inertia_);
+  tree_compliance_.resize(rows_.size());
+  for (std::size_t i = 0; i < blocks_.size(); ++i)
+    for (std::uint32_t k = 0; k < blocks_[i].count; ++k)
+      tree_compliance_[blocks_[i].first + k] = factors_[i].factor[k][k];
+  trees_.factor({rows_, tree_compliance_}, in, tree_inertia_, true);
   tree_bias_.assign(rows_.size(), Real(0));
   tree_step_.resize(rows_.size());
 }
@@ -493,6 +498,9 @@ void ImpulseSolver::solve(const SolverInput& in, StepContext& c) {
     bodies_[i].last_velocity = s.state[i].velocity;
     bodies_[i].last_angular_velocity = s.state[i].angular_velocity;
   }
+  for (const ImpulseJoint& j : joints_)
+    if (in.joints[j.joint].breakable)
+      note_force(in.joints[j.joint], rows_, std::span(blocks_).subspan(j.first_block, j.block_count), s.h);
   for (const ImpulseContact& contact : contacts_) {
     Contact& to = in.contacts->slots[contact.slot];
     FEDER_ASSERT(to.collider_a != kNone && to.point_count == contact.count);

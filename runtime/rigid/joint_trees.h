@@ -1,5 +1,6 @@
 // Direct solver for the stiff joints of tree-shaped mechanisms (chains, ragdolls): exact in one pass, at any mass
-// ratio. The elimination is in joint_trees.cpp.
+// ratio. Trees are found in joint_trees.cpp and solved in
+// tree_elimination.cpp.
 #pragma once
 #include "feder/error.h"
 #include "rigid/solver.h"
@@ -9,13 +10,22 @@
 
 namespace feder {
 
+// Rows of a substep, and the compliance J M^-1 J^T of each alone, 1/kg or 1/(kg m^2).
+struct TreeRows {
+  std::span<const Row> rows;
+  std::span<const Real> compliance;
+};
+
 class JointTrees {
  public:
   explicit JointTrees(Arena& arena) : arena_(arena) {}
 
   // Finds the blocks that belong to trees; once per step, since the number of rows does not change within it.
   void find(std::span<const Row> rows, std::span<const RowBlock> blocks, const SolverBodies& solver_bodies);
-  void clear() { nodes_.clear(); }
+  void clear() { nodes_.clear(), direct_.clear(); }
+  // Takes blocks that are in no tree out of the numbering, with their rows. `left_out`: by block, as given to find().
+  void leave_out(std::span<const std::uint8_t> left_out, std::span<const RowBlock> blocks);
+  std::size_t blocks() const { return direct_.size(); }
   bool empty() const { return nodes_.empty(); }
   bool knows(std::size_t blocks) const { return direct_.size() == blocks; }  // the number of blocks is that of find()
   bool direct(std::size_t block) const {
@@ -24,16 +34,17 @@ class JointTrees {
   }
 
   // Once per substep. `inv_inertia`: of even bodies now, world, by solver index; uneven ones are solved in principal
-  // axes.
-  void factor(std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
+  // axes. `fresh`: masses or inertias are not those of the substep before.
+  void factor(const TreeRows& rows, const SolverInput& in, std::span<const Mat3> inv_inertia, bool fresh);
   // Impulses such that J v = -bias for all rows of the trees at once, written to `step` by row. Without solver bodies
   // v is 0: impulses that change J v by -bias.
   void solve(std::span<const Row> rows, const SolverBodies* solver_bodies, std::span<const Real> bias,
              std::span<Real> step);
+  // Adds to the velocities what the impulses of the last solve() do, in worlds without uneven jointed bodies.
+  void move_bodies(SolverBodies& solver_bodies) const;
 
  private:
   static constexpr int kMaxRows = 6;
-  static constexpr int kTriangle = 21;
 
   // Edge of the graph: the stiff rows of a joint.
   struct Link {
@@ -51,20 +62,21 @@ class JointTrees {
     bool body_is_a = false;
     bool leaf = false;  // a second anchor of the parent to the world: a node without a body
     int rows = 0;
-    double own[kMaxRows][6], up[kMaxRows][6];  // Jacobians of the two sides
-    double inertia[kTriangle];                 // factors of the articulated inertia
-    double weight[kMaxRows][6];                // own x inverse inertia
-    double stiffness[kTriangle];               // factors of weight x own^T + regularisation
-    double load[6];                            // impulses that the children ask for
-    double wanted[kMaxRows];
+    std::uint32_t first = 0;  // of its numbers, in numbers_
   };
-  static Real speed(const Row& row, const Link& link, const SolverBodies& solver_bodies);
   void collect_links(std::span<const Row> rows, std::span<const RowBlock> blocks, const SolverBodies& solver_bodies);
   void accept_trees();
   void order_nodes(std::size_t body_count);
   void check_nodes() const;
   void grow(std::uint32_t index, std::uint32_t parent, std::uint32_t link);
-  void factor_node(Node& node, std::span<const Row> rows, const SolverInput& in, std::span<const Mat3> inv_inertia);
+  void place_numbers();
+  template <int N>
+  void factor_link(const Node& node, const TreeRows& rows, const SolverInput& in);
+  template <int N>
+  void gather_link(const Node& node, std::span<const Row> rows, const SolverBodies* solver_bodies,
+                   std::span<const Real> bias);
+  template <int N>
+  void push_link(const Node& node, std::span<Real> step);
 
   Arena& arena_;
   Array<Link> links_{&arena_};
@@ -75,7 +87,9 @@ class JointTrees {
   Array<std::uint32_t> count_;  // links of a tree
   Array<std::uint8_t> visited_, direct_;
   Array<std::uint32_t> queue_;
-  Array<double> response_;  // velocity change by node, 6 each
+  Array<std::uint32_t> new_row_;
+  Array<double> masses_;   // mass matrices of the nodes, packed
+  Array<double> numbers_;  // of the nodes, packed: see tree_elimination.cpp
 };
 
 }  // namespace feder

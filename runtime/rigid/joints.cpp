@@ -85,6 +85,7 @@ ObjectId Rigid::Impl::add_joint(const JointDesc& d) {
   }
   wake_joined(records[j], WakeCause::joint);
   if (d.options.has_limits) edited(a), edited(b);
+  joints_stale = true;
   if (joint_count++ == 0) *structure_changed = true;
   return records[j].object;
 }
@@ -98,6 +99,7 @@ void Rigid::Impl::remove_joint(std::uint32_t j, const std::string& where, WakeCa
   r = JointRecord{};
   joints[j] = SolverJoint{};
   free_joints.push_back(j);
+  joints_stale = true;
   if (--joint_count == 0) *structure_changed = true;
 }
 
@@ -125,24 +127,39 @@ void Rigid::Impl::refresh_joints_of(std::uint32_t body) {
     if (records[j].alive && (records[j].body_a == body || records[j].body_b == body)) refresh_joint(j);
 }
 
-void Rigid::Impl::activate_joints(StepContext& c) {
-  FEDER_ASSERT(joints.size() == records.size() && jointed.empty());
+void Rigid::Impl::list_active_joints(StepContext& c) {
+  if (!joints_stale) return;
+  joints_stale = false;
+  active_joints.clear(), breakable_joints.clear(), joined_bodies.clear();
+  active_joints.reserve(records.size()), breakable_joints.reserve(records.size());
+  std::uint8_t* joined = c.scratch->take<std::uint8_t>(bodies.size());
+  std::fill_n(joined, bodies.size(), std::uint8_t(0));
   for (std::uint32_t j = 0; j < records.size(); ++j) {
     const JointRecord& r = records[j];
-    SolverJoint& s = joints[j];
-    s.active = r.alive && (bodies.moves(r.body_a) || bodies.moves(r.body_b));
-    if (!s.active) continue;
-    FEDER_ASSERT(s.kind && (s.slot_a != kNone || s.slot_b != kNone) && s.slot_a != s.slot_b);
-    FEDER_ASSERT(s.slot_a == kNone || s.slot_a < solver_bodies.index.size());
-    FEDER_ASSERT(s.slot_b == kNone || s.slot_b < solver_bodies.index.size());
-    load_inertia(r.body_a), load_inertia(r.body_b);
+    joints[j].active = r.alive && (bodies.moves(r.body_a) || bodies.moves(r.body_b));
+    if (!joints[j].active) continue;
+    active_joints.push_back(j);
+    joints[j].breakable = r.break_force < kInfinity;
+    if (joints[j].breakable) breakable_joints.push_back(j);
+    for (const std::uint32_t i : {r.body_a, r.body_b})
+      if (i != kNone) joined[i] = 1;
     if (!r.mass_checked) check_mass_ratio(j, c);
   }
+  for (std::uint32_t i = 0; i < bodies.size(); ++i)
+    if (joined[i]) joined_bodies.push_back(i);
+}
+
+void Rigid::Impl::activate_joints(StepContext& c) {
+  FEDER_ASSERT(joints.size() == records.size() && jointed.empty());
+  list_active_joints(c);
+  if constexpr (kAsserts) check_active_joints();
+  for (const std::uint32_t i : joined_bodies) load_inertia(i);
+  for (const std::uint32_t j : breakable_joints) joints[j].peak_force = 0;
 }
 
 // Principal moments of an uneven body: its inertia for joints rotates with it.
 void Rigid::Impl::load_inertia(std::uint32_t body) {
-  if (body == kNone || !asymmetric[body] || bodies.type[body] != BodyType::dynamic) return;
+  if (!asymmetric[body] || bodies.type[body] != BodyType::dynamic) return;
   const std::uint32_t index = solver_bodies.index[bodies.solver_slot[body]];
   if (index == 0) return;  // asleep beside an awake one: it does not move
   if (jointed.empty()) jointed.assign(solver_bodies.state.size(), JointedBody{});
@@ -224,13 +241,11 @@ void Rigid::Impl::joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const {
 }
 
 void Rigid::Impl::break_joints(StepContext&) {
-  for (std::uint32_t j = 0; j < records.size(); ++j) {
+  for (const std::uint32_t j : breakable_joints) {
     const JointRecord& r = records[j];
-    if (!joints[j].active || !(r.break_force < kInfinity)) continue;
+    if (!joints[j].active) continue;
     FEDER_ASSERT(r.alive);  // else a removed joint would break again
-    Vec3 force, torque;
-    joint_load(j, force, torque);
-    const Real size = length(force);
+    const Real size = joints[j].peak_force;
     if (!(size > r.break_force)) continue;
     Event e;
     e.kind = kJointBreak;

@@ -141,7 +141,8 @@ void Rigid::load(Reader& r) {
     if (s.records[j].alive) s.refresh_joint(j);
   s.solver_bodies.clear_indices();
   s.moved.clear();
-  s.list_stale = s.poses_stale = true;
+  s.list_stale = s.poses_stale = s.joints_stale = true;
+  s.active_joints.clear(), s.breakable_joints.clear(), s.joined_bodies.clear();
 }
 
 Energy Rigid::energy(const Vec3& gravity) const {

@@ -25,6 +25,7 @@ bool all_finite(const Vec3& v) { return is_finite(v[0] + v[1] + v[2]); }
 void Rigid::Impl::rebuild_list() {
   if (!list_stale) return;
   list_stale = false;
+  joints_stale = true;
   moving.clear();
   for (std::uint32_t i = 0; i < bodies.size(); ++i)
     if (bodies.awake[i]) moving.push_back(i);
@@ -176,6 +177,8 @@ SolverInput Rigid::Impl::input() {
           &colliders,
           &solver_bodies,
           {joints.data(), joint_count == 0 ? 0 : joints.size()},
+          {active_joints.data(), joint_count == 0 ? 0 : active_joints.size()},
+          {breakable_joints.data(), joint_count == 0 ? 0 : breakable_joints.size()},
           {jointed.data(), jointed.size()}};
 }
 

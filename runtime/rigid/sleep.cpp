@@ -169,8 +169,8 @@ void Rigid::Impl::join_islands() {
     FEDER_ASSERT(ca < colliders.size() && cb < colliders.size() && contact.touching && !contact.sensor);
     link(colliders.body_of(ca), colliders.body_of(cb));
   }
-  for (const JointRecord& r : records)
-    if (r.alive) link(r.body_a, r.body_b);
+  for (const std::uint32_t j : active_joints)
+    if (records[j].alive) link(records[j].body_a, records[j].body_b);
 }
 
 void Rigid::Impl::sleep_islands() {

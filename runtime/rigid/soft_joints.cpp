@@ -1,9 +1,10 @@
-// Joint rows in the soft-step loop. Rows are filled anew in every substep (their Jacobians rotate with the bodies);
-// each block solves K x = J v + bias by LDL^T, where K = J M^-1 J^T, and takes the softened step (Catto, "Soft
-// Constraints", GDC 2011). Spring rows keep their softness in the relax pass; stiff rows lose their bias there. Bounded
-// rows stand alone and clamp the accumulated impulse. Stiff joints that form a tree are solved together
-// (joint_trees.h); loops are swept in alternating direction. Kept between steps: the impulses, in SolverJoint. Weak
-// spot: loops with high mass ratios.
+// Joint rows in the soft-step loop. Joints whose kind promises plain point rows are solved eight at a time
+// (wide_joints.h) where no tree takes them and their bodies are even; the rest here. Rows are filled anew in every
+// substep (their Jacobians rotate with the bodies); each block solves K x = J v + bias by LDL^T, where K = J M^-1 J^T,
+// and takes the softened step (Catto, "Soft Constraints", GDC 2011). Spring rows keep their softness in the relax pass;
+// stiff rows lose their bias there. Bounded rows stand alone and clamp the accumulated impulse. Stiff joints that form
+// a tree are solved together (joint_trees.h); loops are swept in alternating direction. Kept between steps: the
+// impulses, in SolverJoint. Weak spot: loops with high mass ratios.
 #include "rigid/soft_joints.h"
 
 #include <algorithm>
@@ -11,23 +12,16 @@
 
 #include "constrain/joint.h"
 #include "feder/error.h"
+#include "rigid/joint_load.h"
 #include "state/rows.h"
 #include "state/solver_bodies.h"
 
 namespace feder {
 namespace {
 
-constexpr Real kRadian = Real(0.3);  // m, that an error of one radian counts as
+constexpr JobGrain kKeyGrain{512, 8'000}, kStrainGrain{1024, 8'000};  // joints, bodies per job
+constexpr Real kRadian = Real(0.3);                                   // m, that an error of one radian counts as
 constexpr Real kStrain = 2;  // (h omega)^2 up to which a body keeps its inertia; above 4 the substep is unstable
-
-// What joints did to the velocity of body i so far: six numbers per body.
-void add_change(Real* change, std::uint32_t i, const Vec3& velocity, const Vec3& angular_velocity) {
-  Real* to = change + 6 * std::size_t(i);
-  for (int k = 0; k < 3; ++k) {
-    to[k] += velocity[k];
-    to[3 + k] += angular_velocity[k];
-  }
-}
 
 }  // namespace
 
@@ -48,8 +42,7 @@ bool SoftJoints::is_direct(std::size_t block) const { return !trees_.empty() && 
 // unstable. Near that limit joints (not contacts) use a larger inertia (Andrews et al., "Geometric Stiffness for
 // Real-time Constrained Multibody Dynamics", 2017).
 void SoftJoints::stabilize(const SolverInput& in, Real h) {
-  strain_.assign(in.solver_bodies->state.size(), Real(0));
-  if (uneven_) strain_axes_.assign(strain_.size(), Vec3d::Zero());
+  FEDER_ASSERT(strain_.size() == in.solver_bodies->state.size());
   for (const RowBlock& block : blocks_) {
     FEDER_ASSERT(block.index_a < strain_.size() && block.index_b < strain_.size());
     const SolverJoint& joint = in.joints[block.joint];
@@ -74,22 +67,38 @@ void SoftJoints::add_strain(const SolverInput& in, std::uint32_t index, const Ve
   strain_axes_[index] += static_cast<double>(pull / size) * (Vec3d::Constant(local.squaredNorm()) - local.cwiseAbs2());
 }
 
-// Inverse inertias for the joints of this substep.
-void SoftJoints::update_inertias(const SolverInput& in) {
-  const SolverBodies& solver_bodies = *in.solver_bodies;
-  FEDER_ASSERT(strain_.size() == solver_bodies.mass.size());
-  inv_inertia_.resize(strain_.size());
-  inv_inertia_[0] = solver_bodies.mass[0].inv_inertia;
-  for (std::uint32_t i = 1; i < strain_.size(); ++i) {
-    const Mat3& start = solver_bodies.mass[i].inv_inertia;
-    const Real ratio = strain_[i] * start.cwiseAbs().rowwise().sum().maxCoeff();  // (h omega)^2, at most
-    inv_inertia_[i] = start;
-    if (ratio > kStrain) inv_inertia_[i] *= kStrain / ratio;
-    if (JointedBody* uneven = in.uneven(i)) {
-      const Vec3d ratios = strain_axes_[i].cwiseProduct(uneven->inv_moments);
-      for (int k = 0; k < 3; ++k) uneven->share[k] = kStrain / std::max<double>(ratios[k], kStrain);
-    }
+// Inverse inertias for the joints of this substep. The strain is used up: it is summed for the next one.
+void SoftJoints::update_inertias(const SolverInput& in, StepContext& c) {
+  FEDER_ASSERT(strain_.size() == in.solver_bodies->mass.size() && norm_.size() == strain_.size());
+  const auto count = static_cast<std::uint32_t>(bodies_.size());
+  std::uint8_t* strained = c.scratch->take<std::uint8_t>(count / kStrainGrain.items + 1);
+  c.jobs->for_blocks(count, kStrainGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    bool any = false;
+    for (std::uint32_t n = first; n < last; ++n) any |= update_inertia(in, bodies_[n]);
+    strained[first / kStrainGrain.items] = any;
+  });
+  const bool before = strained_;
+  strained_ = false;
+  for (std::uint32_t i = 0; i < count; i += kStrainGrain.items) strained_ |= strained[i / kStrainGrain.items] != 0;
+  inertia_changed_ = before || strained_;
+}
+
+// Returns whether joints use a larger inertia.
+bool SoftJoints::update_inertia(const SolverInput& in, std::uint32_t i) {
+  const Real ratio = strain_[i] * norm_[i];  // (h omega)^2, at most
+  strain_[i] = 0;
+  share_[i] = ratio > kStrain ? kStrain / ratio : Real(1);
+  bool strained = share_[i] != 1;
+  if (!narrow_.empty()) inv_inertia_[i] = share_[i] * in.solver_bodies->mass[i].inv_inertia;
+  JointedBody* uneven = in.uneven(i);
+  if (!uneven) return strained;
+  const Vec3d ratios = strain_axes_[i].cwiseProduct(uneven->inv_moments);
+  for (int k = 0; k < 3; ++k) {
+    uneven->share[k] = kStrain / std::max<double>(ratios[k], kStrain);
+    strained |= uneven->share[k] != 1;
   }
+  strain_axes_[i] = Vec3d::Zero();
+  return strained;
 }
 
 // Marks the bodies that joints connect to a body in contact. There Row::bend is not predicted: a contact's last impulse
@@ -99,8 +108,9 @@ void SoftJoints::find_in_contact(const SolverInput& in) {
   in_contact_.assign(solver_bodies.state.size(), 0);
   if (in.contacts->active.empty()) return;
   groups_.reset(solver_bodies.state.size());
-  for (const SolverJoint& joint : in.joints) {
-    if (!joint.active || joint.slot_a == kNone || joint.slot_b == kNone) continue;
+  for (const std::uint32_t j : in.active_joints) {
+    const SolverJoint& joint = in.joints[j];
+    if (joint.slot_a == kNone || joint.slot_b == kNone) continue;
     const std::uint32_t a = solver_bodies.index[joint.slot_a], b = solver_bodies.index[joint.slot_b];
     if (solver_bodies.mass[a].inv_mass > 0 && solver_bodies.mass[b].inv_mass > 0) groups_.join(a, b);
   }
@@ -121,7 +131,7 @@ void SoftJoints::load_motions(const SolverInput& in, Real h) {
   FEDER_ASSERT(in_contact_.size() == solver_bodies.state.size());  // found in the first substep
   motions_.resize(solver_bodies.state.size());
   motions_[0] = BodyMotion{};
-  for (std::uint32_t i = 1; i < motions_.size(); ++i) {
+  for (const std::uint32_t i : bodies_) {
     const SolverBody& s = solver_bodies.state[i];
     const JointedBody* uneven = in.uneven(i);
     const Vec3& mean = uneven ? uneven->mean_angular_velocity : s.angular_velocity;
@@ -130,13 +140,11 @@ void SoftJoints::load_motions(const SolverInput& in, Real h) {
   }
 }
 
-Real SoftJoints::prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const {
+Real SoftJoints::prepare_row(const Row& row, Real h, ReadyRow& out) const {
   FEDER_ASSERT(row.lower <= row.upper && !(row.hertz < 0));
   out.linear = row.linear;
   out.angular_a = row.angular_a;
   out.angular_b = row.angular_b;
-  out.push_a = inv_inertia_[block.index_a] * row.angular_a;
-  out.push_b = inv_inertia_[block.index_b] * row.angular_b;
   out.lower = row.lower * h;
   out.upper = row.upper * h;
   out.bias = out.relaxed_bias = -row.speed;
@@ -186,13 +194,49 @@ void SoftJoints::bound_bias(const RowBlock& block, Real* impulse) {
   }
 }
 
-void SoftJoints::respond_uneven(const RowBlock& block, const SolverInput& in) {
+// Velocity changes by unit impulses.
+void SoftJoints::respond(const RowBlock& block, const SolverInput& in) {
   const JointedBody *a = in.uneven(block.index_a), *b = in.uneven(block.index_b);
   for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
     ReadyRow& r = ready_[k];
-    if (a) r.push_a = jointed_response(*a, r.angular_a);
-    if (b) r.push_b = jointed_response(*b, r.angular_b);
+    r.push_a = a ? jointed_response(*a, r.angular_a) : Vec3(inv_inertia_[block.index_a] * r.angular_a);
+    r.push_b = b ? jointed_response(*b, r.angular_b) : Vec3(inv_inertia_[block.index_b] * r.angular_b);
   }
+}
+
+// Scale of what each row of a tree would feel alone, once per step. Even bodies have the same moment about all axes.
+void SoftJoints::measure_compliance(const RowBlock& block, const SolverInput& in) {
+  const Vec3 inv_mass =
+      in.solver_bodies->mass[block.index_a].inv_mass_axes + in.solver_bodies->mass[block.index_b].inv_mass_axes;
+  const auto angular = [&](std::uint32_t i, const Vec3& v) {
+    const JointedBody* uneven = in.uneven(i);
+    return uneven ? dot(jointed_response(*uneven, v), v) : norm_[i] * dot(v, v);
+  };
+  for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
+    const Row& r = rows_[k];
+    compliance_[k] = dot(inv_mass.cwiseProduct(r.linear), r.linear) + angular(block.index_a, r.angular_a) +
+                     angular(block.index_b, r.angular_b);
+  }
+}
+
+// Warm start of a block of a tree, which has no responses by row.
+void SoftJoints::start_direct(const RowBlock& block, const SolverInput& in) const {
+  const Real* impulse = in.joints[block.joint].impulse + block.first_impulse;
+  if (uneven_) return apply_uneven(block, impulse, in);
+  Vec3 push = Vec3::Zero(), moment_a = Vec3::Zero(), moment_b = Vec3::Zero();
+  for (std::uint32_t k = 0; k < block.count; ++k) {
+    const Row& r = rows_[block.first + k];
+    push += r.linear * impulse[k];
+    moment_a += r.angular_a * impulse[k], moment_b += r.angular_b * impulse[k];
+  }
+  const auto side = [&](std::uint32_t i, const Vec3& linear, const Vec3& moment) {
+    if (!i) return;
+    SolverBody& s = in.solver_bodies->state[i];
+    s.velocity += in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(linear);
+    s.angular_velocity += inv_inertia_[i] * moment;
+  };
+  side(block.index_a, -push, moment_a);
+  side(block.index_b, push, moment_b);
 }
 
 void SoftJoints::prepare_block(const RowBlock& block, const SolverMass& a, const SolverMass& b, ReadyBlock& out) const {
@@ -226,8 +270,8 @@ void SoftJoints::prepare_block(const RowBlock& block, const SolverMass& a, const
   }
 }
 
-void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
-  FEDER_ASSERT(block.index_a != block.index_b && change);
+void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverInput& in) const {
+  FEDER_ASSERT(block.index_a != block.index_b);
   Vec3 push = Vec3::Zero(), angular_velocity_a = Vec3::Zero(), angular_velocity_b = Vec3::Zero();
   for (std::uint32_t k = 0; k < block.count; ++k) {
     const ReadyRow& r = ready_[block.first + k];
@@ -238,103 +282,219 @@ void SoftJoints::apply(const RowBlock& block, const Real* impulse, const SolverI
   const auto side = [&](std::uint32_t i, Real sign, const Vec3& angular_velocity) {
     if (!i) return;
     SolverBody& s = in.solver_bodies->state[i];
-    const Vec3 velocity = sign * in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
-    s.velocity += velocity;
+    s.velocity += sign * in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
     s.angular_velocity += angular_velocity;
-    add_change(change, i, velocity, angular_velocity);
   };
   side(block.index_a, -1, angular_velocity_a);
   side(block.index_b, 1, angular_velocity_b);
 }
 
 // The same where there are jointed bodies with uneven moments.
-void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
+void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const SolverInput& in) const {
   const auto side = [&](std::uint32_t i, Real sign, Vec3 ReadyRow::*angular) {
     if (!i) return;
-    Vec3 push = Vec3::Zero(), angular_velocity = Vec3::Zero();
-    Vec3d moment = Vec3d::Zero();
-    for (std::uint32_t k = 0; k < block.count; ++k) {
-      const ReadyRow& r = ready_[block.first + k];
-      push += r.linear * (sign * impulse[k]);
-      moment += (r.*angular).cast<double>() * static_cast<double>(impulse[k]);
-    }
+    Vec3 push = Vec3::Zero();
+    for (std::uint32_t k = 0; k < block.count; ++k) push += ready_[block.first + k].linear * (sign * impulse[k]);
     SolverBody& s = in.solver_bodies->state[i];
-    const Vec3 velocity = in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
-    s.velocity += velocity;
+    s.velocity += in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(push);
     if (JointedBody* uneven = in.uneven(i)) {
-      angular_velocity = push_jointed(*uneven, moment, s, drifted_ && contacts_ && uneven->slender);
-    } else {
-      angular_velocity = inv_inertia_[i] * moment.cast<Real>();
-      s.angular_velocity += angular_velocity;
+      Vec3d moment = Vec3d::Zero();
+      for (std::uint32_t k = 0; k < block.count; ++k)
+        moment += (ready_[block.first + k].*angular).cast<double>() * static_cast<double>(impulse[k]);
+      push_jointed(*uneven, moment, s, drifted_ && contacts_ && uneven->slender);
+      return;
     }
-    add_change(change, i, velocity, angular_velocity);
+    Vec3 moment = Vec3::Zero();
+    for (std::uint32_t k = 0; k < block.count; ++k) moment += ready_[block.first + k].*angular * impulse[k];
+    s.angular_velocity += inv_inertia_[i] * moment;
   };
   side(block.index_a, -1, &ReadyRow::angular_a);
   side(block.index_b, 1, &ReadyRow::angular_b);
 }
 
-void SoftJoints::fill_rows(const SolverInput& in, const StepContext& c) {
+// Rows of the joints in narrow_; without bends when h is 0.
+void SoftJoints::fill_rows(const SolverInput& in, Real h) {
   rows_.clear(), blocks_.clear();
   RowWriter writer(rows_, blocks_);
-  load_motions(in, c.h);
-  for (std::uint32_t j = 0; j < in.joints.size(); ++j) {
+  for (const std::uint32_t j : narrow_) {
     SolverJoint& joint = in.joints[j];
-    if (!joint.active) continue;
     JointInput input = in.joint_input(joint);
-    input.motion_a = &motions_[input.index_a], input.motion_b = &motions_[input.index_b];
-    input.h = c.h;
+    if (h > 0) input.motion_a = &motions_[input.index_a], input.motion_b = &motions_[input.index_b];
+    input.h = h;
     writer.start(input, j);
     joint.kind->fill(input, writer);
-    FEDER_ASSERT(c.substep == 0 || joint.rows == writer.rows_written());  // impulses and trees know rows by number
     joint.rows = static_cast<std::uint8_t>(writer.rows_written());
   }
 }
 
-void SoftJoints::prepare_rows(const RowBlock& block, const SolverInput& in, Real h) {
+void SoftJoints::prepare_rows(const RowBlock& block, Real h) {
   Real fastest = 0;
   for (std::uint32_t k = block.first; k < block.first + block.count; ++k)
-    fastest = std::max(fastest, std::abs(prepare_row(rows_[k], block, h, ready_[k])));
+    fastest = std::max(fastest, std::abs(prepare_row(rows_[k], h, ready_[k])));
   if (fastest > push_speed_) torn_.push_back(static_cast<std::uint32_t>(&block - blocks_.data()));
-  if (uneven_) respond_uneven(block, in);
 }
 
-void SoftJoints::start(const SolverInput& in, const StepContext& c, bool contacts, Real* change) {
+bool SoftJoints::JointKey::operator==(const JointKey& other) const {
+  const auto equal = [](const JointOptions& x, const JointOptions& y) {
+    return x.lower == y.lower && x.upper == y.upper && x.has_limits == y.has_limits && x.has_motor == y.has_motor &&
+           x.motor_max == y.motor_max && x.spring_hertz == y.spring_hertz && x.rest_length == y.rest_length;
+  };
+  return joint == other.joint && index_a == other.index_a && index_b == other.index_b && bodies == other.bodies &&
+         kind == other.kind && equal(options, other.options);
+}
+
+SoftJoints::JointKey SoftJoints::key_of(const SolverInput& in, std::uint32_t j) const {
+  const SolverJoint& joint = in.joints[j];
   const SolverBodies& solver_bodies = *in.solver_bodies;
-  // rows of this substep
+  const std::uint32_t a = solver_bodies.at(joint.slot_a), b = solver_bodies.at(joint.slot_b);
+  const unsigned bits = unsigned(solver_bodies.mass[a].inv_mass > 0) +
+                        2 * unsigned(solver_bodies.mass[b].inv_mass > 0) + 4 * unsigned(in.uneven(a) != nullptr) +
+                        8 * unsigned(in.uneven(b) != nullptr);
+  return {j, a, b, bits, joint.kind, joint.shape.options};
+}
+
+// Compares keys with those of the last step, and replaces them.
+bool SoftJoints::structure_changed(const SolverInput& in, StepContext& c) {
+  const auto count = static_cast<std::uint32_t>(in.active_joints.size());
+  bool changed = keys_.size() != count || norm_.size() != in.solver_bodies->state.size();
+  keys_.resize(count);
+  std::uint8_t* differs = c.scratch->take<std::uint8_t>(count / kKeyGrain.items + 1);
+  c.jobs->for_blocks(count, kKeyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    std::uint8_t any = 0;
+    for (std::uint32_t i = first; i < last; ++i) {
+      const JointKey key = key_of(in, in.active_joints[i]);
+      if (keys_[i] == key) continue;
+      keys_[i] = key;
+      any = 1;
+    }
+    differs[first / kKeyGrain.items] = any;
+  });
+  for (std::uint32_t i = 0; i < count; i += kKeyGrain.items) changed = changed || differs[i / kKeyGrain.items];
+  return changed;
+}
+
+void SoftJoints::list_bodies(const SolverInput& in) {
+  const std::size_t count = in.solver_bodies->state.size();
+  marks_.assign(count, 0);
+  for (const JointKey& key : keys_) marks_[key.index_a] = marks_[key.index_b] = 1;
+  bodies_.clear();
+  bodies_.reserve(count);
+  for (std::uint32_t i = 1; i < count; ++i)
+    if (marks_[i]) bodies_.push_back(i);
+  // of all others nothing is read but for the world's
+  strain_.assign(count, Real(0));
+  strain_axes_.assign(count, Vec3d::Zero());
+  norm_.assign(count, Real(0));
+  share_.assign(count, Real(1));
+  inv_inertia_.assign(count, Mat3(Mat3::Zero()));
+}
+
+// Joints whose kind allows it, of even bodies and in no tree, are solved wide; the others by rows.
+void SoftJoints::choose_wide(const SolverInput& in, StepContext& c) {
+  candidates_.clear(), narrow_.clear();
+  candidates_.reserve(keys_.size()), narrow_.reserve(keys_.size());
+  marks_.assign(blocks_.size(), 0);
+  std::size_t block = 0;
+  for (const JointKey& key : keys_) {
+    const std::size_t first = block;
+    bool direct = false;
+    for (; block < blocks_.size() && blocks_[block].joint == key.joint; ++block) direct = direct || is_direct(block);
+    const bool wide = key.kind->wide == WideRows::point && !direct && key.bodies < 4;
+    (wide ? candidates_ : narrow_).push_back(key.joint);
+    for (std::size_t i = first; i < block; ++i) marks_[i] = wide;
+  }
+  wide_.color(in, {candidates_.data(), candidates_.size()}, narrow_, c);
+  std::sort(narrow_.begin(), narrow_.end());
+  // rows are numbered without those of the wide joints
+  std::size_t rest = 0;
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    while (rest < narrow_.size() && narrow_[rest] < blocks_[i].joint) ++rest;
+    marks_[i] = rest == narrow_.size() || narrow_[rest] != blocks_[i].joint;
+  }
+  trees_.leave_out({marks_.data(), marks_.size()}, {blocks_.data(), blocks_.size()});
+}
+
+// Trees, colours, and who is solved how: a function of the keys alone, so that a restored world finds the same.
+void SoftJoints::find_structure(const SolverInput& in, StepContext& c) {
+  list_bodies(in);
+  narrow_.assign(in.active_joints.begin(), in.active_joints.end());
+  fill_rows(in, 0);
+  trees_.clear();
+  if (use_trees_) trees_.find(rows_, blocks_, *in.solver_bodies);
+  choose_wide(in, c);
+  all_direct_ = !trees_.empty() && wide_.empty();
+  for (std::size_t i = 0; all_direct_ && i < trees_.blocks(); ++i) all_direct_ = trees_.direct(i);
+}
+
+void SoftJoints::clear() {
+  rows_.clear(), blocks_.clear(), keys_.clear(), bodies_.clear(), narrow_.clear(), slides_.clear();
+  trees_.clear(), wide_.clear();
+}
+
+void SoftJoints::prepare(const SolverInput& in, StepContext& c, bool contacts) {
+  FEDER_ASSERT(!in.active_joints.empty());
   uneven_ = !in.jointed.empty();
   contacts_ = contacts;
+  slides_.clear();
+  if (structure_changed(in, c)) find_structure(in, c);
+  find_in_contact(in);
+  for (const std::uint32_t i : bodies_) {
+    norm_[i] = in.solver_bodies->mass[i].inv_inertia.cwiseAbs().rowwise().sum().maxCoeff();
+    strain_[i] = 0;
+  }
+  inv_inertia_[0] = in.solver_bodies->mass[0].inv_inertia;
+  wide_.load(in, c, {in_contact_.data(), in_contact_.size()}, {strain_.data(), strain_.size()});
+}
+
+// Rows of a substep at the poses now, their effective masses and warm start.
+void SoftJoints::start(const SolverInput& in, StepContext& c) {
+  const SolverBodies& solver_bodies = *in.solver_bodies;
   drifted_ = false;
   slides_.assign(uneven_ ? solver_bodies.state.size() : 0, BodySlide{});
-  if (c.substep == 0) find_in_contact(in);
-  fill_rows(in, c);
-  // effective masses; blocks of trees need theirs in the first substep only, when trees are not known yet
+  if (!narrow_.empty()) load_motions(in, c.h);
+  fill_rows(in, c.h);
+  FEDER_ASSERT(!use_trees_ || trees_.knows(blocks_.size()));
   ready_.resize(rows_.size());
+  compliance_.resize(rows_.size());
   prepared_.resize(blocks_.size());
   const Real quarter = Real(0.25) / c.h;
   stiff_factors_ = soft_factors(hertz_ < quarter ? hertz_ : quarter, damping_ratio_, c.h);
   stabilize(in, c.h);
-  update_inertias(in);
+  update_inertias(in, c);
+  // effective masses of what trees do not solve
   torn_.clear();
   torn_.reserve(blocks_.size());
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const RowBlock& block = blocks_[i];
-    prepare_rows(block, in, c.h);
-    if (c.substep != 0 && is_direct(i)) continue;
+    prepare_rows(block, c.h);
+    if (is_direct(i)) {
+      if (c.substep == 0) measure_compliance(block, in);
+      start_direct(block, in);
+      continue;
+    }
+    respond(block, in);
     prepare_block(block, solver_bodies.mass[block.index_a], solver_bodies.mass[block.index_b], prepared_[i]);
   }
-  // trees, and the bounded bias of what they leave
-  if (c.substep == 0 && use_trees_) trees_.find(rows_, blocks_, solver_bodies);
-  if (!trees_.empty()) trees_.factor(rows_, in, inv_inertia_);
-  FEDER_ASSERT(!use_trees_ || trees_.knows(blocks_.size()));
+  if (!trees_.empty()) trees_.factor({rows_, compliance_}, in, inv_inertia_, c.substep == 0 || inertia_changed_);
   for (const std::uint32_t i : torn_)
     if (!is_direct(i)) bound_bias(blocks_[i], in.joints[blocks_[i].joint].impulse + blocks_[i].first_impulse);
-  all_direct_ = !trees_.empty();
-  for (std::size_t i = 0; all_direct_ && i < blocks_.size(); ++i) all_direct_ = trees_.direct(i);
-  // warm start
-  for (const RowBlock& block : blocks_) push(block, in.joints[block.joint].impulse + block.first_impulse, in, change);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const Real* impulse = in.joints[blocks_[i].joint].impulse + blocks_[i].first_impulse;
+    if (!is_direct(i)) push(blocks_[i], impulse, in);
+  }
 }
 
-void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool biased, Real* change) {
+JointPass SoftJoints::pass(const SolverInput& in, const StepContext& c) {
+  JointPass p{};
+  p.bodies = reinterpret_cast<Real*>(in.solver_bodies->state.data());
+  p.share = share_.data(), p.strain = strain_.data();
+  p.h = c.h;
+  p.push_speed = push_speed_;
+  p.soft = stiff_factors_;
+  return p;
+}
+
+void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool biased) {
   const RowBlock& block = blocks_[index];
   const ReadyRow* rows = &ready_[block.first];
   const ReadyBlock& ready = prepared_[index];
@@ -367,7 +527,7 @@ void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool bias
     step[i] = now - impulse[i];
     impulse[i] = now;
   }
-  push(block, step, in, change);
+  push(block, step, in);
 }
 
 // Position correction of trees by pseudo-velocities, which are no part of the momentum: what a biased impulse does in
@@ -396,7 +556,7 @@ void SoftJoints::slide_trees(const SolverInput& in) {
   }
 }
 
-void SoftJoints::solve_trees(const SolverInput& in, bool biased, Real* change) {
+void SoftJoints::solve_trees(const SolverInput& in, bool biased) {
   bias_.resize(rows_.size());
   step_.resize(rows_.size());
   if (biased && uneven_) slide_trees(in), biased = false;
@@ -408,17 +568,41 @@ void SoftJoints::solve_trees(const SolverInput& in, bool biased, Real* change) {
     FEDER_ASSERT(block.first_impulse + block.count <= in.joints[block.joint].rows);
     Real* impulse = in.joints[block.joint].impulse + block.first_impulse;
     for (std::uint32_t k = 0; k < block.count; ++k) impulse[k] += step_[block.first + k];
-    push(block, &step_[block.first], in, change);
+    if (uneven_) apply_uneven(block, &step_[block.first], in);
+  }
+  if (!uneven_) trees_.move_bodies(*in.solver_bodies);
+}
+
+void SoftJoints::solve_rows(const SolverInput& in, bool biased) {
+  FEDER_ASSERT(ready_.size() == rows_.size() && prepared_.size() == blocks_.size());
+  if (!trees_.empty()) solve_trees(in, biased);
+  for (std::size_t i = 0; i < blocks_.size(); ++i) {
+    const std::size_t at = biased ? i : blocks_.size() - 1 - i;
+    if (!is_direct(at)) solve_block(at, in, biased);
   }
 }
 
-void SoftJoints::solve(const SolverInput& in, bool biased, Real* change) {
-  FEDER_ASSERT(ready_.size() == rows_.size() && prepared_.size() == blocks_.size());
-  drifted_ = !biased;
-  if (!trees_.empty()) solve_trees(in, biased, change);
-  for (std::size_t i = 0; i < blocks_.size(); ++i) {
-    const std::size_t at = biased ? i : blocks_.size() - 1 - i;
-    if (!is_direct(at)) solve_block(at, in, biased, change);
+// Wide joints are the first of the one pass and the last of the other.
+void SoftJoints::solve(const SolverInput& in, StepContext& c) {
+  start(in, c);
+  if (!wide_.empty()) wide_.solve(pass(in, c), c);
+  solve_rows(in, true);
+}
+
+void SoftJoints::relax(const SolverInput& in, StepContext& c) {
+  drifted_ = true;
+  solve_rows(in, false);
+  if (!wide_.empty()) wide_.relax(pass(in, c), c);
+  if (!in.breakable_joints.empty()) note_loads(in, c.h);
+}
+
+void SoftJoints::note_loads(const SolverInput& in, Real h) const {
+  wide_.note_loads(in, h);
+  for (std::size_t i = 0; i < blocks_.size();) {
+    const std::size_t first = i;
+    while (i < blocks_.size() && blocks_[i].joint == blocks_[first].joint) ++i;
+    SolverJoint& joint = in.joints[blocks_[first].joint];
+    if (joint.breakable) note_force(joint, rows_, {&blocks_[first], i - first}, h);
   }
 }
 

@@ -4,6 +4,7 @@
 #include "rigid/contact_batch.h"
 #include "rigid/joint_trees.h"
 #include "rigid/solver.h"
+#include "rigid/wide_joints.h"
 
 namespace feder {
 
@@ -18,15 +19,19 @@ struct BodySlide {
 class SoftJoints {
  public:
   // `push_speed`, m/s: the largest speed at which an open joint of a loop is closed.
-  SoftJoints(Arena& arena, Real hertz, Real damping_ratio, Real push_speed, bool use_trees)
-      : arena_(arena), hertz_(hertz), damping_ratio_(damping_ratio), push_speed_(push_speed), use_trees_(use_trees) {}
+  SoftJoints(Arena& arena, Real hertz, Real damping_ratio, Real push_speed, bool use_trees, const JointKernels& kernels)
+      : arena_(arena), wide_(arena, kernels), hertz_(hertz), damping_ratio_(damping_ratio), push_speed_(push_speed),
+        use_trees_(use_trees) {}
 
-  bool empty() const { return blocks_.empty(); }
-  // Starts a substep: rows at the poses now, effective masses, warm start. `change` sums what joints do to the velocity
-  // of each solver body (6 numbers each); `contacts`: there are some.
-  void start(const SolverInput& in, const StepContext& c, bool contacts, Real* change);
-  void clear() { rows_.clear(), blocks_.clear(), trees_.clear(); }
-  void solve(const SolverInput& in, bool biased, Real* change);
+  // Once per step, with active joints. `contacts`: there are some.
+  void prepare(const SolverInput& in, StepContext& c, bool contacts);
+  // Each substep: rows at the poses now, effective masses, warm start, and the biased pass; then the other one.
+  void solve(const SolverInput& in, StepContext& c);
+  void relax(const SolverInput& in, StepContext& c);
+  void finish(const SolverInput& in, StepContext& c) { wide_.store(in, c); }  // once per step: impulses stored
+  void clear();
+
+  std::span<const std::uint32_t> bodies() const { return {bodies_.data(), bodies_.size()}; }  // on joints, ascending
 
   // Pseudo-velocities, by solver index; empty where there are none.
   std::span<const BodySlide> slides() const { return {slides_.data(), slides_.size()}; }
@@ -34,6 +39,14 @@ class SoftJoints {
   bool all_direct() const { return all_direct_; }
 
  private:
+  // What the order of a solve depends on; a solve is ordered anew when it changes, and by nothing else.
+  struct JointKey {
+    std::uint32_t joint, index_a, index_b;
+    std::uint32_t bodies;  // bits: which sides move, which are uneven
+    const JointKind* kind;
+    JointOptions options;
+    bool operator==(const JointKey& other) const;
+  };
   // A row prepared for the iteration.
   struct ReadyRow {
     Vec3 linear, angular_a, angular_b;
@@ -51,46 +64,68 @@ class SoftJoints {
   bool is_direct(std::size_t block) const;
   void add_strain(const SolverInput& in, std::uint32_t index, const Vec3& arm, Real pull);
   void stabilize(const SolverInput& in, Real h);
-  void update_inertias(const SolverInput& in);
+  void update_inertias(const SolverInput& in, StepContext& c);
+  bool update_inertia(const SolverInput& in, std::uint32_t i);
   void find_in_contact(const SolverInput& in);
   void load_motions(const SolverInput& in, Real h);
   // Returns the bias speed of an equality, m/s or rad/s.
-  Real prepare_row(const Row& row, const RowBlock& block, Real h, ReadyRow& out) const;
+  Real prepare_row(const Row& row, Real h, ReadyRow& out) const;
   void bound_bias(const RowBlock& block, Real* impulse);
-  void respond_uneven(const RowBlock& block, const SolverInput& in);
+  void measure_compliance(const RowBlock& block, const SolverInput& in);
+  void start_direct(const RowBlock& block, const SolverInput& in) const;
+  void respond(const RowBlock& block, const SolverInput& in);
   void prepare_block(const RowBlock& block, const SolverMass& a, const SolverMass& b, ReadyBlock& out) const;
-  void apply(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const;
-  void apply_uneven(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const;
-  void push(const RowBlock& block, const Real* impulse, const SolverInput& in, Real* change) const {
-    uneven_ ? apply_uneven(block, impulse, in, change) : apply(block, impulse, in, change);
+  void apply(const RowBlock& block, const Real* impulse, const SolverInput& in) const;
+  void apply_uneven(const RowBlock& block, const Real* impulse, const SolverInput& in) const;
+  void push(const RowBlock& block, const Real* impulse, const SolverInput& in) const {
+    uneven_ ? apply_uneven(block, impulse, in) : apply(block, impulse, in);
   }
-  void fill_rows(const SolverInput& in, const StepContext& c);
-  void prepare_rows(const RowBlock& block, const SolverInput& in, Real h);
+  JointKey key_of(const SolverInput& in, std::uint32_t j) const;
+  bool structure_changed(const SolverInput& in, StepContext& c);
+  void find_structure(const SolverInput& in, StepContext& c);
+  void list_bodies(const SolverInput& in);
+  void choose_wide(const SolverInput& in, StepContext& c);
+  void start(const SolverInput& in, StepContext& c);
+  JointPass pass(const SolverInput& in, const StepContext& c);
+  void note_loads(const SolverInput& in, Real h) const;
+  void fill_rows(const SolverInput& in, Real h);
+  void prepare_rows(const RowBlock& block, Real h);
   void slide_trees(const SolverInput& in);
-  void solve_trees(const SolverInput& in, bool biased, Real* change);
-  void solve_block(std::size_t index, const SolverInput& in, bool biased, Real* change);
+  void solve_trees(const SolverInput& in, bool biased);
+  void solve_rows(const SolverInput& in, bool biased);
+  void solve_block(std::size_t index, const SolverInput& in, bool biased);
 
   Arena& arena_;
+  Array<JointKey> keys_{&arena_};             // by place in SolverInput::active_joints
+  Array<std::uint32_t> bodies_{&arena_};      // solver indices on joints, ascending
+  Array<std::uint32_t> narrow_{&arena_};      // joints solved by rows, ascending
+  Array<std::uint32_t> candidates_{&arena_};  // joints for wide_
+  Array<std::uint8_t> marks_{&arena_};        // by solver index or block
+  WideJoints wide_;
   Array<Row> rows_{&arena_};
   Array<RowBlock> blocks_{&arena_};
   Array<ReadyRow> ready_{&arena_};
   Array<ReadyBlock> prepared_{&arena_};
   JointTrees trees_{arena_};
-  Array<Real> bias_{&arena_}, step_{&arena_};  // by row, for the trees
-  Array<Real> strain_{&arena_};                // by solver index: h sum |impulse| |arm|, kg m^2
-  Array<Vec3d> strain_axes_{&arena_};          // the same by principal axis, of uneven bodies
-  Array<BodyMotion> motions_{&arena_};         // by solver index
-  UnionFind groups_{arena_};                   // of solver bodies that joints connect
-  Array<std::uint8_t> in_contact_{&arena_};    // by solver index: joints connect it to a body in contact
-  Array<std::uint32_t> torn_{&arena_};         // blocks with a bias above push_speed
-  Array<BodySlide> slides_{&arena_};           // by solver index
-  Array<Mat3> inv_inertia_{&arena_};           // by solver index, world, for the joints of this substep
+  Array<Real> bias_{&arena_}, step_{&arena_}, compliance_{&arena_};  // by row, for the trees
+  Array<Real> strain_{&arena_};                                      // by solver index: h sum |impulse| |arm|, kg m^2
+  Array<Real> norm_{&arena_};                // by solver index: of the inverse inertia, 1/(kg m^2)
+  Array<Real> share_{&arena_};               // by solver index: of the inverse inertia that joints use
+  Array<Vec3d> strain_axes_{&arena_};        // the same by principal axis, of uneven bodies
+  Array<BodyMotion> motions_{&arena_};       // by solver index
+  UnionFind groups_{arena_};                 // of solver bodies that joints connect
+  Array<std::uint8_t> in_contact_{&arena_};  // by solver index: joints connect it to a body in contact
+  Array<std::uint32_t> torn_{&arena_};       // blocks with a bias above push_speed
+  Array<BodySlide> slides_{&arena_};         // by solver index
+  Array<Mat3> inv_inertia_{&arena_};         // by solver index, world, for the joints of this substep
   Real hertz_, damping_ratio_, push_speed_;
   bool use_trees_;
   bool contacts_ = false;  // there are contacts
   bool drifted_ = false;   // bodies have moved since the rows were filled
   bool all_direct_ = false;
-  bool uneven_ = false;  // there are jointed bodies with uneven moments
+  bool strained_ = false;         // some share_ is below 1
+  bool inertia_changed_ = false;  // since the substep before
+  bool uneven_ = false;           // there are jointed bodies with uneven moments
   SoftFactors stiff_factors_{};
 };
 

@@ -59,7 +59,7 @@ class SoftStep final : public RigidSolver {
         bounce_speed_(p.real({"bounce_speed", "m/s", {0, 1e6}}, 0.02)),
         bounce_rounds_(p.integer({"bounce_rounds", "", {1, 100}}, 4)),
         joints_(arena, p.real({"joint_hertz", "Hz", {0.1, 1e5}}, 60), p.real({"joint_damping", "", {0, 1e3}}, 2),
-                push_speed_, p.flag({"joint_trees"}, true)) {}
+                push_speed_, p.flag({"joint_trees"}, true), joint_kernels(wide_kernels(p))) {}
 
   void prepare(const SolverInput& in, StepContext& c) override;
   void solve(const SolverInput& in, StepContext& c) override;
@@ -87,6 +87,8 @@ class SoftStep final : public RigidSolver {
   void report_corrections(const SolverInput& in, StepContext& c);
   ContactPass pass(const SolverInput& in, const StepContext& c) const;
   void strike(const SolverInput& in, StepContext& c);
+  template <class F>
+  void keep_out(const SolverInput& in, StepContext& c, F&& f);
   void run(void (*kernel)(const ContactPass&), const SolverInput& in, StepContext& c);
 
   const ContactKernels* kernels_;
@@ -103,7 +105,6 @@ class SoftStep final : public RigidSolver {
   std::uint32_t* lanes_ = nullptr;  // contact slot by batch and lane, kNone where empty
   Real* before_ = nullptr;          // velocities before the contacts of the substep, 6 per solver body
   Real* contact_change_ = nullptr;  // velocity change by contacts in the last substep, 6 per solver body
-  Real* joint_change_ = nullptr;    // velocity change by joints in this substep; null without joints
   std::uint32_t batch_count_ = 0, overflow_count_ = 0;
   std::size_t body_count_ = 0, contact_count_ = 0;  // when the step was prepared
   std::uint32_t color_first_[kColors + 1] = {};     // first batch of each colour; the overflow comes before colour 0
@@ -308,11 +309,13 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   body_count_ = body_count, contact_count_ = in.contacts->active.size();
   before_ = c.scratch->take<Real>(std::size_t(body_count) * 6);
   contact_change_ = c.scratch->take<Real>(std::size_t(body_count) * 6);
-  joint_change_ = in.joints.empty() ? nullptr : c.scratch->take<Real>(std::size_t(body_count) * 6);
-  joints_.clear();
   batch_count_ = overflow_count_ = 0;
   strikes_ = nullptr;
   gravity_ = c.gravity;
+  if (in.active_joints.empty())
+    joints_.clear();
+  else
+    joints_.prepare(in, c, !in.contacts->active.empty());
   if (in.contacts->active.empty()) return;
   // masses in the order of the kernels
   masses_ = c.scratch->take<WideMass>(body_count);
@@ -354,7 +357,6 @@ void SoftStep::start_velocities(const SolverInput& in, StepContext& c) {
       state[i].velocity[k] += change[k];
       state[i].angular_velocity[k] += change[k + 3];
     }
-    if (joint_change_) std::fill_n(joint_change_ + std::size_t(i) * 6, 6, Real(0));
   });
 }
 
@@ -362,11 +364,10 @@ void SoftStep::end_velocities(const SolverInput& in, StepContext& c) {
   const SolverBody* state = in.solver_bodies->state.data();
   each_body(in, c, [&](std::uint32_t i) {
     const Real* before = before_ + std::size_t(i) * 6;
-    const Real* joint = joint_change_ ? joint_change_ + std::size_t(i) * 6 : nullptr;
     Real* change = contact_change_ + std::size_t(i) * 6;
     for (int k = 0; k < 3; ++k) {
-      change[k] = state[i].velocity[k] - before[k] - (joint ? joint[k] : 0);
-      change[k + 3] = state[i].angular_velocity[k] - before[k + 3] - (joint ? joint[k + 3] : 0);
+      change[k] = state[i].velocity[k] - before[k];
+      change[k + 3] = state[i].angular_velocity[k] - before[k + 3];
     }
   });
 }
@@ -381,7 +382,7 @@ Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, const SolverMass&
 void SoftStep::integrate(const SolverInput& in, StepContext& c) {
   SolverBody* state = in.solver_bodies->state.data();
   const Real h = c.h;
-  const std::span<const BodySlide> slides = joint_change_ ? joints_.slides() : std::span<const BodySlide>();
+  const std::span<const BodySlide> slides = joints_.slides();
   FEDER_ASSERT(slides.empty() || slides.size() == body_count_);
   each_body(in, c, [&](std::uint32_t i) {
     SolverBody& s = state[i];
@@ -436,18 +437,43 @@ void SoftStep::strike(const SolverInput& in, StepContext& c) {
   });
 }
 
+// What `f` changes, by joints, is no part of the warm start of the next substep either.
+template <class F>
+void SoftStep::keep_out(const SolverInput& in, StepContext& c, F&& f) {
+  const std::span<const std::uint32_t> bodies = joints_.bodies();
+  const SolverBody* state = in.solver_bodies->state.data();
+  const auto each = [&](const auto& change) {
+    if (batch_count_ == 0) return;
+    c.jobs->for_blocks(static_cast<std::uint32_t>(bodies.size()), kBodyGrain,
+                       [&](std::uint32_t first, std::uint32_t last, int) {
+                         for (std::uint32_t n = first; n < last; ++n) change(bodies[n]);
+                       });
+  };
+  each([&](std::uint32_t i) {
+    for (int k = 0; k < 3; ++k) {
+      contact_change_[i * 6 + k] = state[i].velocity[k] - before_[i * 6 + k];
+      contact_change_[i * 6 + k + 3] = state[i].angular_velocity[k] - before_[i * 6 + k + 3];
+    }
+  });
+  f();
+  each([&](std::uint32_t i) {
+    for (int k = 0; k < 3; ++k) {
+      before_[i * 6 + k] = state[i].velocity[k] - contact_change_[i * 6 + k];
+      before_[i * 6 + k + 3] = state[i].angular_velocity[k] - contact_change_[i * 6 + k + 3];
+    }
+  });
+}
+
 void SoftStep::solve(const SolverInput& in, StepContext& c) {
   start_velocities(in, c);
   if (c.substep == 0) run(kernels_->warm_start, in, c);
   if (strikes_) strike(in, c);
-  if (joint_change_) {
-    joints_.start(in, c, batch_count_ > 0, joint_change_);
-    joints_.solve(in, true, joint_change_);
-  }
+  const bool jointed = !in.active_joints.empty();
+  if (jointed) keep_out(in, c, [&] { joints_.solve(in, c); });
   run(kernels_->solve, in, c);
   integrate(in, c);
-  if (joint_change_) joints_.solve(in, false, joint_change_);
-  if (joint_change_ && !joints_.all_direct()) report_corrections(in, c);
+  if (jointed) keep_out(in, c, [&] { joints_.relax(in, c); });
+  if (jointed && !joints_.all_direct()) report_corrections(in, c);
   run(kernels_->relax, in, c);
   if (batch_count_) end_velocities(in, c);
 }
@@ -479,6 +505,7 @@ void SoftStep::finish(const SolverInput& in, StepContext& c) {
   c.jobs->for_blocks(batch_count_, kStoreGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) store_batch(*in.contacts, i);
   });
+  if (!in.active_joints.empty()) joints_.finish(in, c);
 }
 
 }  // namespace

@@ -23,7 +23,9 @@ struct SolverJoint {
   std::uint32_t slot_a = kNone, slot_b = kNone;  // solver slot; kNone = world
   Real impulse[kMaxJointRows] = {};              // of the last substep, by row; warm start
   std::uint8_t rows = 0;
-  std::uint8_t active = 0;  // this step: at least one awake side
+  std::uint8_t active = 0;     // this step: at least one awake side
+  std::uint8_t breakable = 0;  // solvers note its load (joint_load.h)
+  Real peak_force = 0;         // in this step: the largest of its substeps, N
 };
 
 struct SolverInput {
@@ -42,7 +44,9 @@ struct SolverInput {
   const Colliders* colliders = nullptr;
   SolverBodies* solver_bodies = nullptr;
   std::span<SolverJoint> joints;
-  std::span<JointedBody> jointed;  // by solver index, of bodies; empty without joints
+  std::span<const std::uint32_t> active_joints;     // indices into joints, ascending
+  std::span<const std::uint32_t> breakable_joints;  // those of them whose load is noted
+  std::span<JointedBody> jointed;                   // by solver index, of bodies; empty without joints
 };
 
 // Called by the rigid system's passes. Rigid bodies come first; the solver bodies behind them were advanced by their

@@ -95,6 +95,15 @@ void Rigid::Impl::check_joint(std::uint32_t j) const {
   side(r.b, r.body_b, s.slot_b);
 }
 
+void Rigid::Impl::check_active_joints() const {
+  for (const std::uint32_t j : active_joints) {
+    const SolverJoint& s = joints[j];
+    FEDER_ASSERT(records[j].alive && s.kind && (s.slot_a != kNone || s.slot_b != kNone) && s.slot_a != s.slot_b);
+    FEDER_ASSERT(s.slot_a == kNone || s.slot_a < solver_bodies.index.size());
+    FEDER_ASSERT(s.slot_b == kNone || s.slot_b < solver_bodies.index.size());
+  }
+}
+
 // Lists and counts that follow from bodies and joints.
 void Rigid::Impl::check_lists() const {
   const std::size_t count = bodies.size();
@@ -113,6 +122,12 @@ void Rigid::Impl::check_lists() const {
     FEDER_ASSERT(bodies.awake[moving[p]] && (p == 0 || moving[p - 1] < moving[p]));
   const bool listed = lists_free(free_joints, records.size(), [&](std::uint32_t j) { return !records[j].alive; });
   FEDER_ASSERT(listed && records.size() - free_joints.size() == joint_count);
+  std::size_t active = 0;
+  for (std::uint32_t j = 0; j < records.size(); ++j) {
+    const JointRecord& r = records[j];
+    active += r.alive && (bodies.moves(r.body_a) || bodies.moves(r.body_b));
+  }
+  FEDER_ASSERT(joints_stale || list_stale || active == active_joints.size());
 }
 
 void Rigid::validate() const {

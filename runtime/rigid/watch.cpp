@@ -103,7 +103,7 @@ double Rigid::Impl::outside_speed(std::uint32_t i, std::uint32_t other) const {
 // Joints: springs, motors, and the misfit after an edit by a script.
 void Rigid::Impl::watch_joints(const StepContext& c) {
   const auto window = static_cast<std::uint64_t>(kScriptWindow / to_double(c.dt)) + 1;
-  for (std::uint32_t j = 0; j < records.size(); ++j) {
+  for (const std::uint32_t j : active_joints) {
     const JointRecord& r = records[j];
     if (!r.alive || !joints[j].active) continue;
     const bool moves_a = bodies.moves(r.body_a), moves_b = bodies.moves(r.body_b);

@@ -180,6 +180,34 @@ TEST_CASE("joint row and block counts depend on the options only", "[constrain][
   }
 }
 
+// What a kind promises of its rows, whatever the options, is what it writes: solvers rely on it and do not call fill().
+TEST_CASE("joint rows that solvers evaluate themselves are as promised", "[constrain][contract]") {
+  const int index = GENERATE(range(0, static_cast<int>(joint_kinds().size())));
+  const bool everything = GENERATE(false, true);
+  const JointKind& kind = joint_kinds()[static_cast<std::size_t>(index)];
+  CAPTURE(kind.name, everything);
+  Rng rng(13);
+  for (int trial = 0; trial < 50 && kind.wide == WideRows::point; ++trial) {
+    Case c;
+    random_case(rng, Real(0.5), c);
+    c.shape.options = options_of(kind, everything);
+    const Filled f(kind, c.in);
+    REQUIRE(f.blocks.size() == 1);
+    REQUIRE(f.rows.size() == 3);
+    const Vec3 arm_a = rotate(c.in.a.rotation, c.shape.frame_a.position),
+               arm_b = rotate(c.in.b.rotation, c.shape.frame_b.position);
+    for (int k = 0; k < 3; ++k) {
+      CAPTURE(trial, k);
+      const Row& r = f.rows[static_cast<std::size_t>(k)];
+      CHECK(length(Vec3(r.linear - Vec3(Vec3::Unit(k)))) == 0);
+      CHECK(length(Vec3(r.angular_a + cross(arm_a, r.linear))) < Real(1e-5));
+      CHECK(length(Vec3(r.angular_b - cross(arm_b, r.linear))) < Real(1e-5));
+      CHECK(r.value == Approx(c.in.b.position[k] + arm_b[k] - c.in.a.position[k] - arm_a[k]).margin(1e-5));
+      CHECK((r.lower == -kInfinity && r.upper == kInfinity && r.hertz == 0 && r.speed == 0 && !r.velocity_only));
+    }
+  }
+}
+
 // An impulse along a row gives -linear to a and +linear to b. Their moments about the origin cancel up to the couple
 // gap x linear, which a row with an exact derivative cannot avoid while the anchors are apart.
 TEST_CASE("joint impulses conserve momentum", "[constrain][contract]") {
