@@ -113,7 +113,7 @@ struct Facing {
 };
 
 // False when a plane of the shape's box or of the triangle keeps them apart.
-bool near_triangle(const MeshContact& mc, const Triangle& t, const Vec3& front, Facing& f) {
+bool near_triangle(const MeshContact& mc, const Triangle& t, Vec3& front, Facing& f) {
   const Double3 a = f.corner[0] = mc.pair.from_b(wide(t.a));
   const Double3 b = f.corner[1] = mc.pair.from_b(wide(t.b)), c = f.corner[2] = mc.pair.from_b(wide(t.c));
   const auto apart = [](double p, double q, double r, double from, double to) {
@@ -122,6 +122,7 @@ bool near_triangle(const MeshContact& mc, const Triangle& t, const Vec3& front, 
   if (apart(a.x, b.x, c.x, mc.lo.x, mc.hi.x) || apart(a.y, b.y, c.y, mc.lo.y, mc.hi.y) ||
       apart(a.z, b.z, c.z, mc.lo.z, mc.hi.z))
     return false;
+  front = normalized_or(cross(t.b - t.a, t.c - t.a), vec3(0, 1, 0));
   f.up = mc.pair.from_b(wide(front)) - mc.pair.offset;
   const Double3 high = wide(mc.pair.a.support(narrow(f.up))), low = wide(mc.pair.a.support(narrow(-f.up)));
   const double above = dot(f.up, high - a), below = dot(f.up, low - a);
@@ -182,7 +183,7 @@ void add_points(MeshContact& mc, const Patch& patch, const Vec3& normal, std::ui
 
 void collide_triangle(MeshContact& mc, std::uint32_t index) {
   const Triangle t = mc.mesh.triangle(index);
-  const Vec3 front = normalized_or(cross(t.b - t.a, t.c - t.a), vec3(0, 1, 0));
+  Vec3 front;
   Facing facing;
   if (!near_triangle(mc, t, front, facing)) return;
   const Vec3 face = facing.behind ? Vec3(-front) : front;

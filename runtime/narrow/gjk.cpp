@@ -141,10 +141,17 @@ bool gjk_distance(const ConvexPair& pair, const Double3& start, double enough, S
   Double3 v = start;
   double len = length(v);
   if (!(len > 0)) v = {0, 1, 0}, len = 1;
-  simplex.v[0] = support(pair, (-1 / len) * v);
+  const Double3 first = (-1 / len) * v;
+  simplex.v[0] = support(pair, first);
   simplex.count = 1;
   simplex.weight[0] = 1;
   v = simplex.v[0].w;
+  // a start that separates them far enough, as the axis of the last step mostly does, is the answer
+  const double apart = -dot(first, v);
+  if (apart > enough) {
+    gap = {apart, simplex.v[0].a, simplex.v[0].b, first};
+    return true;
+  }
   double size = length(v), best = std::numeric_limits<double>::infinity();
   Simplex nearest = simplex;
   Double3 nearest_v = v;
