@@ -34,17 +34,18 @@ class BoxTree {
   template <class F>
   void query(const Aabb& box, F&& visit) const {
     if (fours_.empty()) return;
+    const Around around(box);
     std::uint32_t stack[2 * kDepth];  // up to three a level, of which there are half as many
     int top = 0;
     stack[top++] = 0;
     while (top > 0) {
       const std::uint32_t at = stack[--top];
       if (at & kLeafBit) {
-        query_leaf(nodes_[at & ~kLeafBit], box, visit);
+        query_leaf(nodes_[at & ~kLeafBit], around, visit);
         continue;
       }
       const Four& f = fours_[at];
-      for (unsigned hit = overlapping(f.side[0], 4, box); hit != 0;) {
+      for (unsigned hit = overlapping(f.side[0], 4, around); hit != 0;) {
         const unsigned k = static_cast<unsigned>(std::bit_width(hit)) - 1;  // the last first: it waits longest
         stack[top++] = f.child[k], hit ^= 1u << k;
       }
@@ -66,7 +67,7 @@ class BoxTree {
       for (std::uint32_t a = first; a < end; ++a)
         for (const std::uint32_t leaf : leaves_)
           if (const Node& n = nodes_[leaf]; n.last > a && overlaps(n.box, boxes_[a]))
-            query_leaf(n, boxes_[a], [&](std::uint32_t b) {
+            query_leaf(n, Around(boxes_[a]), [&](std::uint32_t b) {
               if (b > a) visit(a, b);
             });
     }
@@ -90,7 +91,7 @@ class BoxTree {
     std::uint32_t last = 0;   // largest item below
   };
   static constexpr std::uint32_t kLeafBit = 0x80000000u;
-  struct Four {  // up to four nodes below one, in order; unused: boxes of NaN
+  struct Four {              // up to four nodes below one, in order; unused: boxes of NaN
     Real side[6][4];         // x from, x to, y from ...
     std::uint32_t node[4];   // in nodes_
     std::uint32_t child[4];  // in fours_; a leaf: its node, with kLeafBit
@@ -117,8 +118,14 @@ class BoxTree {
     }
   }
   using Sides [[gnu::vector_size(4 * sizeof(Real))]] = Real;
+  struct Around {  // one box, four times
+    explicit Around(const Aabb& b) {
+      for (int d = 0; d < 3; ++d) lo[d] = Sides{} + b.lo[d], hi[d] = Sides{} + b.hi[d];
+    }
+    Sides lo[3], hi[3];
+  };
   // Four boxes against one, a bit each: their x from at `side`, x to `next` numbers on, and so forth.
-  static unsigned overlapping(const Real* side, std::size_t next, const Aabb& box) {
+  static unsigned overlapping(const Real* side, std::size_t next, const Around& box) {
     auto overlap = Sides{} == Sides{};
     for (int d = 0; d < 3; ++d, side += 2 * next) {
       Sides lo, hi;
@@ -135,7 +142,7 @@ class BoxTree {
   }
   // All boxes of a leaf are compared together.
   template <class F>
-  void query_leaf(const Node& leaf, const Aabb& box, F&& visit) const {
+  void query_leaf(const Node& leaf, const Around& box, F&& visit) const {
     static_assert(kLeaf == 4);
     unsigned hit = overlapping(&sides_[leaf.first], items_.size() + kLeaf, box) & ((1u << leaf.count) - 1);
     for (; hit != 0; hit &= hit - 1) visit(items_[leaf.first + static_cast<unsigned>(std::countr_zero(hit))]);

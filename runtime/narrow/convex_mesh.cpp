@@ -43,9 +43,10 @@ struct MeshContact {
   const Shape& mesh;
   const Pose& local;  // the shape in the frame of the mesh
   const Real margin;
-  ConvexPair pair;  // with a triangle as b
-  Double3 lo, hi;   // of the shape and the margin, in its own frame
-  double enough;    // between the cores
+  Vec3 middle = Vec3::Zero(), half = Vec3::Zero();  // of its box with the margin there, m
+  ConvexPair pair;                                  // with a triangle as b
+  Double3 lo, hi;                                   // of the shape and the margin, in its own frame
+  double enough;                                    // between the cores
   int count = 0;
   Cluster clusters[kClusters];
 };
@@ -112,8 +113,18 @@ struct Facing {
   double gap;   // height of `low` over the triangle; negative: beyond
 };
 
+// Does the triangle's plane miss the shape's box in the mesh's frame? Rounding never says so falsely.
+bool plane_misses(const MeshContact& mc, const Triangle& t, const Vec3& n) {
+  const Vec3 from = mc.middle - t.a;
+  const Real reach = std::abs(n[0]) * mc.half[0] + std::abs(n[1]) * mc.half[1] + std::abs(n[2]) * mc.half[2];
+  const Real terms = std::abs(n[0] * from[0]) + std::abs(n[1] * from[1]) + std::abs(n[2] * from[2]);
+  return std::abs(dot(n, from)) > reach + 16 * kEpsilon * (terms + reach);
+}
+
 // False when a plane of the shape's box or of the triangle keeps them apart.
 bool near_triangle(const MeshContact& mc, const Triangle& t, Vec3& front, Facing& f) {
+  const Vec3 across = cross(t.b - t.a, t.c - t.a);
+  if (plane_misses(mc, t, across)) return false;
   const Double3 a = f.corner[0] = mc.pair.from_b(wide(t.a));
   const Double3 b = f.corner[1] = mc.pair.from_b(wide(t.b)), c = f.corner[2] = mc.pair.from_b(wide(t.c));
   const auto apart = [](double p, double q, double r, double from, double to) {
@@ -122,7 +133,7 @@ bool near_triangle(const MeshContact& mc, const Triangle& t, Vec3& front, Facing
   if (apart(a.x, b.x, c.x, mc.lo.x, mc.hi.x) || apart(a.y, b.y, c.y, mc.lo.y, mc.hi.y) ||
       apart(a.z, b.z, c.z, mc.lo.z, mc.hi.z))
     return false;
-  front = normalized_or(cross(t.b - t.a, t.c - t.a), vec3(0, 1, 0));
+  front = normalized_or(across, vec3(0, 1, 0));
   f.up = mc.pair.from_b(wide(front)) - mc.pair.offset;
   const Double3 high = wide(mc.pair.a.support(narrow(f.up))), low = wide(mc.pair.a.support(narrow(-f.up)));
   const double above = dot(f.up, high - a), below = dot(f.up, low - a);
@@ -212,6 +223,7 @@ int convex_mesh(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& 
   Aabb box = a.bounds(local);
   box.grow(margin);
   MeshContact mc(a, b, local, margin);
+  mc.middle = (box.lo + box.hi) / 2, mc.half = (box.hi - box.lo) / 2;
   const auto visit = [](void* context, std::uint32_t i) { collide_triangle(*static_cast<MeshContact*>(context), i); };
   b.triangles_in(box, visit, &mc);
 
