@@ -40,8 +40,8 @@ Difference support(const ConvexPair& pair, const Double3& direction);
 
 struct Simplex {
   Difference v[4];
-  double weight[4] = {0, 0, 0, 0};  // of the nearest point
-  int count = 0;
+  double weight[4];  // of the nearest point
+  int count = 0;     // in use
 };
 
 struct Gap {
