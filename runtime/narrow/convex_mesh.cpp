@@ -18,6 +18,7 @@ constexpr Real kFaceCosine = Real(0.9995);    // a push this near to the face no
 constexpr Real kClusterCosine = Real(0.996);  // normals within 5 degrees share a manifold
 constexpr Real kVoronoiSlack = Real(0.01);    // in the cosine: how far past the neighbour's normal an edge may push
 constexpr double kOnEdge = 1e-4;              // barycentric: nearer than this to an edge is on it
+constexpr Real kShallower = Real(0.1);        // of the margin: face points less deep than the edge by more give way
 constexpr int kClusters = 8;
 constexpr int kClusterPoints = 24;
 
@@ -166,7 +167,9 @@ Gap face_gap(const Facing& f) {
   return gap;
 }
 
-void add_points(MeshContact& mc, const Patch& patch, const Vec3& normal, std::uint32_t index, const Triangle* over) {
+// Those over the triangle `over` (null: all), if one is at most at the separation `limit`; else none, and false.
+bool add_points(MeshContact& mc, const Patch& patch, const Vec3& normal, std::uint32_t index, const Triangle* over,
+                Real limit) {
   // points from the shape's frame to the mesh's
   ManifoldPoint kept[kMaxPatchPoints];
   int count = 0;
@@ -182,14 +185,15 @@ void add_points(MeshContact& mc, const Patch& patch, const Vec3& normal, std::ui
     deepest = std::min(deepest, p.separation);
     kept[count++] = p;
   }
-  if (count == 0) return;
+  if (count == 0 || deepest > limit) return false;
   Cluster* cluster = cluster_for(mc, normal, deepest);
-  if (!cluster) return;
+  if (!cluster) return true;
   if (deepest < cluster->deepest) cluster->deepest = deepest;
   for (int i = 0; i < count; ++i) {
     if (cluster->count == kClusterPoints) reduce_cluster(*cluster);
     cluster->points[cluster->count++] = kept[i];
   }
+  return true;
 }
 
 void collide_triangle(MeshContact& mc, std::uint32_t index) {
@@ -200,21 +204,25 @@ void collide_triangle(MeshContact& mc, std::uint32_t index) {
   const Vec3 face = facing.behind ? Vec3(-front) : front;
   const Vec3 corners[3] = {t.a, t.b, t.c};
   mc.pair.b.points = corners;
-  Gap gap = face_gap(facing);
-  Patch patch;
+  Gap nearest;
+  bool edge = false;
+  Real face_limit = kInfinity;
+  Vec3 towards = face;
   if (edge_in_play(t, facing)) {
-    Gap nearest;
-    if (!core_gap(mc.pair, -gap.normal, mc.enough, nearest)) return;
-    const Vec3 towards = -rotate(mc.local.rotation, narrow(nearest.normal));
+    if (!core_gap(mc.pair, facing.behind ? -facing.up : facing.up, mc.enough, nearest)) return;
+    towards = -rotate(mc.local.rotation, narrow(nearest.normal));
     const Weights w = barycentric(t, wide(to_world(mc.local, narrow(nearest.b))));
-    if (dot(towards, face) < kFaceCosine && edge_may_push(t, w, face, towards, facing.behind)) {
-      contact_patch(mc.pair, nearest, mc.margin, patch);
-      add_points(mc, patch, rotate(mc.local.rotation, patch.normal), index, nullptr);
-      return;
-    }
+    edge = edge_may_push(t, w, face, towards, facing.behind);
+    if (edge) face_limit = Real(nearest.distance) - mc.pair.a.radius + kShallower * mc.margin;
   }
-  contact_patch(mc.pair, gap, mc.margin, patch);
-  add_points(mc, patch, -face, index, &t);
+  Patch patch;
+  if (!edge || dot(towards, face) >= kFaceCosine) {
+    contact_patch(mc.pair, face_gap(facing), mc.margin, patch);
+    if (add_points(mc, patch, -face, index, &t, face_limit) || !edge) return;
+  }
+  // the deepest is beside the triangle, perhaps hardly: across a border or a blunt ridge no neighbour takes it
+  contact_patch(mc.pair, nearest, mc.margin, patch);
+  add_points(mc, patch, rotate(mc.local.rotation, patch.normal), index, nullptr, kInfinity);
 }
 
 int convex_mesh(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, Real margin, PairCache&,
