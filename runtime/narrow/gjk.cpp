@@ -76,21 +76,14 @@ bool nearest_on_tetrahedron(const Difference* v, Nearest& nearest) {
   return outside;
 }
 
-// Drops the vertices that the nearest point needs not. False when the simplex holds the origin.
-bool reduce_to_nearest(Simplex& s) {
+// The vertices of s that its nearest point needs. False when s holds the origin.
+bool reduce_to_nearest(const Simplex& s, Simplex& reduced) {
   Nearest n{1, {0}, {1}};
   if (s.count == 2) n = nearest_on_edge(s.v, 0, 1);
   if (s.count == 3) n = nearest_on_triangle(s.v, 0, 1, 2);
   if (s.count == 4 && !nearest_on_tetrahedron(s.v, n)) return false;
-  // faces of a tetrahedron name their vertices in any order
-  Difference kept[3];
-  for (int i = 0; i < n.count; ++i)
-    if (n.vertex[i] != i) kept[i] = s.v[n.vertex[i]];
-  for (int i = 0; i < n.count; ++i) {
-    if (n.vertex[i] != i) s.v[i] = kept[i];
-    s.weight[i] = n.weight[i];
-  }
-  s.count = n.count;
+  reduced.count = n.count;
+  for (int i = 0; i < n.count; ++i) reduced.v[i] = s.v[n.vertex[i]], reduced.weight[i] = n.weight[i];
   return true;
 }
 
@@ -98,12 +91,6 @@ Double3 nearest_point(const Simplex& s) {
   Double3 p{};
   for (int i = 0; i < s.count; ++i) p = p + s.weight[i] * s.v[i].w;
   return p;
-}
-
-// Only what is in use.
-void copy(const Simplex& from, Simplex& to) {
-  to.count = from.count;
-  for (int i = 0; i < from.count; ++i) to.v[i] = from.v[i], to.weight[i] = from.weight[i];
 }
 
 bool has_vertex(const Simplex& s, const Double3& w) {
@@ -171,31 +158,38 @@ bool gjk_distance(const ConvexPair& pair, const Double3& start, double enough, S
     gap = {apart, simplex.v[0].a, simplex.v[0].b, first};
     return true;
   }
+  // two simplices take turns: the nearest one so far, and the next
+  Simplex other;
+  Simplex *nearest = &other, *next = &simplex;
   double size = length(v), best = std::numeric_limits<double>::infinity();
-  Simplex nearest;
-  copy(simplex, nearest);
   Double3 nearest_v = v;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     len = length(v);
-    if (!(len > kTouching * size)) return false;
+    if (!(len > kTouching * size)) {
+      if (next != &simplex) simplex = *next;
+      return false;
+    }
     if (len >= best) break;  // rounding has the last word
     best = len, nearest_v = v;
-    copy(simplex, nearest);
-    const Difference next = support(pair, (-1 / len) * v);
-    size = std::max(size, length(next.w));
-    const double bound = dot(v, next.w) / len;  // no point of the difference is nearer along v
+    std::swap(nearest, next);
+    const Difference found = support(pair, (-1 / len) * v);
+    size = std::max(size, length(found.w));
+    const double bound = dot(v, found.w) / len;  // no point of the difference is nearer along v
     if (bound > enough) {
-      fill_gap(simplex, v, gap);
+      fill_gap(*nearest, v, gap);
       gap.distance = bound;
       return true;
     }
-    if (len - bound <= kGain * len || has_vertex(simplex, next.w)) break;
-    simplex.v[simplex.count++] = next;
-    if (!reduce_to_nearest(simplex)) return false;
-    v = nearest_point(simplex);
+    if (len - bound <= kGain * len || has_vertex(*nearest, found.w)) break;
+    nearest->v[nearest->count++] = found;
+    if (!reduce_to_nearest(*nearest, *next)) {
+      if (nearest != &simplex) simplex = *nearest;
+      return false;
+    }
+    --nearest->count;
+    v = nearest_point(*next);
   }
-  copy(nearest, simplex);
-  fill_gap(simplex, nearest_v, gap);
+  fill_gap(*nearest, nearest_v, gap);
   return true;
 }
 
