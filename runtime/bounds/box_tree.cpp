@@ -122,6 +122,7 @@ void BoxTree::fit() {
 void BoxTree::number_in_order(std::span<const Aabb> boxes) {
   boxes_ = boxes;
   for (std::uint32_t i = 0; i < items_.size(); ++i) items_[i] = i;
+  sort_.clear(), sort_.shrink_to_fit();  // of use to the next build only
   find_last();
 }
 

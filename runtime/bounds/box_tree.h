@@ -8,6 +8,7 @@
 #include <cstring>
 #include <span>
 
+#include "bounds/box_query.h"
 #include "feder/memory.h"
 #include "feder/types.h"
 
@@ -62,14 +63,17 @@ class BoxTree {
       Aabb all;
       for (std::uint32_t a = first; a < end; ++a) all.include(boxes_[a]);
       leaves_.clear();
-      descend([&](const Node& n) { return n.last > first && overlaps(n.box, all); },
+      const BoxQuery query(all);
+      descend([&](const Node& n) { return n.last > first && query.meets(n.box); },
               [&](const Node& n) { leaves_.push_back(static_cast<std::uint32_t>(&n - nodes_.data())); });
-      for (std::uint32_t a = first; a < end; ++a)
+      for (std::uint32_t a = first; a < end; ++a) {
+        const Around around(boxes_[a]);
         for (const std::uint32_t leaf : leaves_)
           if (const Node& n = nodes_[leaf]; n.last > a && overlaps(n.box, boxes_[a]))
-            query_leaf(n, Around(boxes_[a]), [&](std::uint32_t b) {
+            query_leaf(n, around, [&](std::uint32_t b) {
               if (b > a) visit(a, b);
             });
+      }
     }
   }
   // visit(item) for all items below nodes whose boxes pass test(box); the items' own boxes are not asked.

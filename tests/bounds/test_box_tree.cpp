@@ -70,3 +70,14 @@ TEST_CASE("a box tree finds exactly the overlapping items, each once, also after
     compare(tree, list, rng, coarse);
   }
 }
+
+TEST_CASE("one box against many meets what it overlaps", "[bounds]") {
+  Rng rng(12);
+  const bool coarse = GENERATE(false, true);
+  std::vector<Aabb> list = boxes(200, rng, coarse);
+  list.push_back(Aabb::everything()), list.push_back(Aabb{});
+  for (const Aabb& a : list) {
+    const BoxQuery query(a);
+    for (const Aabb& b : list) REQUIRE(query.meets(b) == overlaps(b, a));
+  }
+}
