@@ -7,6 +7,7 @@
 #pragma once
 #include <span>
 
+#include "bounds/box_query.h"
 #include "bounds/segment_box.h"
 #include "feder/memory.h"
 #include "feder/types.h"
@@ -29,7 +30,8 @@ class AabbTree {
   // Calls visit(item) for every leaf whose box overlaps `box`, in no particular order.
   template <class Visit>
   void query(const Aabb& box, Visit&& visit) const {
-    descend([&](const Aabb& node) { return overlaps(node, box); }, visit);
+    const BoxQuery query(box);
+    descend([&](const Aabb& node) { return query.meets(node); }, visit);
   }
   template <class Visit>
   void query_ray(const Vec3& origin, const Vec3& ray, Visit&& visit) const {

@@ -12,7 +12,7 @@ void BoxTree::build(std::span<const Aabb> boxes) {
   boxes_ = boxes;
   const auto count = static_cast<std::uint32_t>(boxes.size());
   items_.resize(count), sort_.resize(count);
-  nodes_.clear();
+  nodes_.clear(), fours_.clear();
   if (count == 0) return;
   for (std::uint32_t i = 0; i < count; ++i) {
     const Vec3 middle = Real(0.5) * (boxes[i].lo + boxes[i].hi);
@@ -26,6 +26,7 @@ void BoxTree::build(std::span<const Aabb> boxes) {
   for (const Node& n : nodes_)
     if (n.count > 0) std::sort(items_.begin() + n.first, items_.begin() + n.first + n.count);
   find_last();
+  join_levels();
   fit();
   built_cost_ = cost();
 }
@@ -48,6 +49,39 @@ void BoxTree::split(std::uint32_t node) {
   nodes_.push_back({{}, first, half, 0});
   nodes_.push_back({{}, first + half, count - half, 0});
   nodes_[node].first = child, nodes_[node].count = 0;
+}
+
+// Below the root an even number of levels, so that the last ones are full.
+void BoxTree::join_levels() {
+  int depth = 0;
+  for (std::uint32_t n = 0; nodes_[n].count == 0; n = nodes_[n].first) ++depth;
+  fours_.reserve(nodes_.size() / 2 + 1);
+  add_four(0, depth % 2 != 0);
+  // children follow their parents, so the list grows while it is walked
+  for (std::uint32_t f = 0; f < fours_.size(); ++f)
+    for (int k = 0; k < 4; ++k) {
+      const std::uint32_t node = fours_[f].node[k];
+      if (node == kNone) continue;
+      const std::uint32_t child = nodes_[node].count > 0 ? node | kLeafBit : add_four(node, false);
+      fours_[f].child[k] = child;
+    }
+}
+
+std::uint32_t BoxTree::add_four(std::uint32_t node, bool one_level) {
+  Four four{};
+  int used = 0;
+  const auto add = [&](std::uint32_t n) { four.node[used++] = n; };
+  const auto halves = [&](std::uint32_t n) {
+    if (nodes_[n].count > 0 || one_level) return add(n);
+    add(nodes_[n].first), add(nodes_[n].first + 1);
+  };
+  if (nodes_[node].count > 0)
+    add(node);
+  else
+    halves(nodes_[node].first), halves(nodes_[node].first + 1);
+  while (used < 4) add(kNone);
+  fours_.push_back(four);
+  return static_cast<std::uint32_t>(fours_.size() - 1);
 }
 
 void BoxTree::find_last() {
@@ -77,11 +111,18 @@ void BoxTree::fit() {
     else
       node.box.include(nodes_[node.first].box), node.box.include(nodes_[node.first + 1].box);
   }
+  for (Four& f : fours_)
+    for (int k = 0; k < 4; ++k) {
+      const Vec3 none = Vec3::Constant(std::numeric_limits<Real>::quiet_NaN());  // overlaps nothing, not even all
+      const Aabb box = f.node[k] == kNone ? Aabb{none, none} : nodes_[f.node[k]].box;
+      for (int d = 0; d < 3; ++d) f.side[2 * d][k] = box.lo[d], f.side[2 * d + 1][k] = box.hi[d];
+    }
 }
 
 void BoxTree::number_in_order(std::span<const Aabb> boxes) {
   boxes_ = boxes;
   for (std::uint32_t i = 0; i < items_.size(); ++i) items_[i] = i;
+  sort_.clear(), sort_.shrink_to_fit();  // of use to the next build only
   find_last();
 }
 

@@ -1,11 +1,14 @@
 // A hierarchy of axis-aligned boxes over a fixed set of items (triangles, edges): built once by halving along the
-// longest side, refitted when the items move, built anew when the refitted tree has grown loose. Answers come in
-// ascending order of the tree's leaves, the same for any thread count.
+// longest side, refitted when the items move, built anew when the refitted tree has grown loose. Queries descend two
+// levels at a time (four boxes are compared together). Answers come in ascending order of the tree's leaves, the same
+// for any thread count.
 #pragma once
 #include <algorithm>
+#include <bit>
 #include <cstring>
 #include <span>
 
+#include "bounds/box_query.h"
 #include "feder/memory.h"
 #include "feder/types.h"
 
@@ -15,7 +18,7 @@ namespace feder {
 // items (closed boxes), each once. Allocates only when items outnumber every earlier call.
 class BoxTree {
  public:
-  explicit BoxTree(Arena& a) : nodes_(&a), items_(&a), sort_(&a), leaves_(&a), sides_(&a) {}
+  explicit BoxTree(Arena& a) : nodes_(&a), fours_(&a), items_(&a), sort_(&a), leaves_(&a), sides_(&a) {}
 
   void build(std::span<const Aabb> boxes);
   // The same items in new places; builds anew when the tree's surface has grown by half.
@@ -31,7 +34,23 @@ class BoxTree {
   // visit(item) for the items whose box overlaps `box`.
   template <class F>
   void query(const Aabb& box, F&& visit) const {
-    descend([&](const Node& n) { return overlaps(n.box, box); }, [&](const Node& n) { query_leaf(n, box, visit); });
+    if (fours_.empty()) return;
+    const Around around(box);
+    std::uint32_t stack[2 * kDepth];  // up to three a level, of which there are half as many
+    int top = 0;
+    stack[top++] = 0;
+    while (top > 0) {
+      const std::uint32_t at = stack[--top];
+      if (at & kLeafBit) {
+        query_leaf(nodes_[at & ~kLeafBit], around, visit);
+        continue;
+      }
+      const Four& f = fours_[at];
+      for (unsigned hit = overlapping(f.side[0], 4, around); hit != 0;) {
+        const unsigned k = static_cast<unsigned>(std::bit_width(hit)) - 1;  // the last first: it waits longest
+        stack[top++] = f.child[k], hit ^= 1u << k;
+      }
+    }
   }
   // visit(a, b) for all overlapping items a < b: by ascending a, and for each in the order of query.
   template <class F>
@@ -44,14 +63,17 @@ class BoxTree {
       Aabb all;
       for (std::uint32_t a = first; a < end; ++a) all.include(boxes_[a]);
       leaves_.clear();
-      descend([&](const Node& n) { return n.last > first && overlaps(n.box, all); },
+      const BoxQuery query(all);
+      descend([&](const Node& n) { return n.last > first && query.meets(n.box); },
               [&](const Node& n) { leaves_.push_back(static_cast<std::uint32_t>(&n - nodes_.data())); });
-      for (std::uint32_t a = first; a < end; ++a)
+      for (std::uint32_t a = first; a < end; ++a) {
+        const Around around(boxes_[a]);
         for (const std::uint32_t leaf : leaves_)
           if (const Node& n = nodes_[leaf]; n.last > a && overlaps(n.box, boxes_[a]))
-            query_leaf(n, boxes_[a], [&](std::uint32_t b) {
+            query_leaf(n, around, [&](std::uint32_t b) {
               if (b > a) visit(a, b);
             });
+      }
     }
   }
   // visit(item) for all items below nodes whose boxes pass test(box); the items' own boxes are not asked.
@@ -71,6 +93,12 @@ class BoxTree {
     std::uint32_t first = 0;  // leaf: in items_; else the first of two children
     std::uint32_t count = 0;  // leaf: items; else 0
     std::uint32_t last = 0;   // largest item below
+  };
+  static constexpr std::uint32_t kLeafBit = 0x80000000u;
+  struct Four {              // up to four nodes below one, in order; unused: boxes of NaN
+    Real side[6][4];         // x from, x to, y from ...
+    std::uint32_t node[4];   // in nodes_
+    std::uint32_t child[4];  // in fours_; a leaf: its node, with kLeafBit
   };
   struct Middle {  // of an item's box
     Real at[3];
@@ -93,27 +121,45 @@ class BoxTree {
       stack[top++] = n.first;
     }
   }
-  // All boxes of a leaf are compared together.
-  template <class F>
-  void query_leaf(const Node& leaf, const Aabb& box, F&& visit) const {
-    using Sides [[gnu::vector_size(kLeaf * sizeof(Real))]] = Real;
-    const Real* side = &sides_[leaf.first];
-    const std::size_t next = items_.size() + kLeaf;
+  using Sides [[gnu::vector_size(4 * sizeof(Real))]] = Real;
+  struct Around {  // one box, four times
+    explicit Around(const Aabb& b) {
+      for (int d = 0; d < 3; ++d) lo[d] = Sides{} + b.lo[d], hi[d] = Sides{} + b.hi[d];
+    }
+    Sides lo[3], hi[3];
+  };
+  // Four boxes against one, a bit each: their x from at `side`, x to `next` numbers on, and so forth.
+  static unsigned overlapping(const Real* side, std::size_t next, const Around& box) {
     auto overlap = Sides{} == Sides{};
     for (int d = 0; d < 3; ++d, side += 2 * next) {
       Sides lo, hi;
       std::memcpy(&lo, side, sizeof lo), std::memcpy(&hi, side + next, sizeof hi);
       overlap &= (lo <= box.hi[d]) & (hi >= box.lo[d]);
     }
-    for (std::uint32_t k = 0; k < leaf.count; ++k)
-      if (overlap[k]) visit(items_[leaf.first + k]);
+#if defined(__SSE__) && !defined(FEDER_REAL_DOUBLE)
+    return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<Sides>(overlap)));
+#else
+    unsigned bits = 0;
+    for (unsigned k = 0; k < 4; ++k) bits |= static_cast<unsigned>(overlap[k] & 1) << k;
+    return bits;
+#endif
+  }
+  // All boxes of a leaf are compared together.
+  template <class F>
+  void query_leaf(const Node& leaf, const Around& box, F&& visit) const {
+    static_assert(kLeaf == 4);
+    unsigned hit = overlapping(&sides_[leaf.first], items_.size() + kLeaf, box) & ((1u << leaf.count) - 1);
+    for (; hit != 0; hit &= hit - 1) visit(items_[leaf.first + static_cast<unsigned>(std::countr_zero(hit))]);
   }
   void split(std::uint32_t node);
+  void join_levels();
+  std::uint32_t add_four(std::uint32_t node, bool one_level);
   void find_last();
   void fit();
   Real cost() const;
 
   Array<Node> nodes_;
+  Array<Four> fours_;  // the same tree, two levels at a time
   Array<std::uint32_t> items_;
   Array<Middle> sort_;           // in the order of items_
   Array<std::uint32_t> leaves_;  // of the descent under way

@@ -45,6 +45,15 @@ void rotate_normal(Contact& contact, const Vec3& base, const Vec3& rotation) {
 
 bool same(const Quat& p, const Quat& q) { return p.x == q.x && p.y == q.y && p.z == q.z && p.w == q.w; }
 
+// The contacts of a pair that had points.
+struct OldContacts {
+  OldContacts() {}
+  std::size_t count = 0;
+  union {  // not filled before use
+    Contact contact[kMaxManifolds];
+  };
+};
+
 // The old point that a new one continues: same feature, else the nearest unused one within `limit`.
 const ContactPoint* old_point(const ContactPoint& p, std::span<const Contact> old, Real limit, std::uint32_t& used) {
   const ContactPoint* nearest = nullptr;
@@ -172,12 +181,19 @@ void Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin)
   m.valid = 1;
   m.between = c.center[b] - c.center[a];
   m.rotation_a = c.pose[a].rotation, m.rotation_b = c.pose[b].rotation;
-  Contact old[kMaxManifolds];
-  for (std::size_t k = 0; k < group.size(); ++k) old[k] = contacts->slots[group[k].slot];
+  OldContacts old;
+  for (const ContactEntry& e : group)
+    if (const Contact& contact = contacts->slots[e.slot]; contact.point_count > 0) old.contact[old.count++] = contact;
   for (std::size_t k = 0; k < group.size(); ++k) {
-    const Manifold none;
+    const bool used = static_cast<int>(k) < count;
+    Contact& contact = contacts->slots[group[k].slot];
+    if (!used && contact.point_count == 0) {
+      contact.fresh = 1;  // empty before and after
+      continue;
+    }
+    static const Manifold none;
     // matching limit: a tenth of the smaller shape
-    write_manifold(group[k], static_cast<int>(k) < count ? found[k] : none, {old, group.size()}, m.extent / 10);
+    write_manifold(group[k], used ? found[k] : none, {old.contact, old.count}, m.extent / 10);
   }
 }
 

@@ -1,19 +1,48 @@
 // Convex hull as a shape: second moments over tetrahedra (Tonon 2004), rays clipped by the faces (Cyrus and Beck 1978).
-// Weak spot: support points and faces by a walk over all of them, linear in their number.
+// Weak spot: support points and faces by a walk over all of them, eight at a time, linear in their number.
 #include "geom/hull.h"
 
+#include "base/wide.h"
 #include "geom/closest.h"
 
 namespace feder {
+namespace {
+
+const PointKernel* point_kernel() {
+#if defined(__x86_64__) || defined(__i386__)
+  if (runs_avx2()) return &kPointsAvx2;
+#endif
+  return &kPointsPlain;
+}
+
+// Eight to a group; what is left of the last repeats the first. `point(i)`: the i-th of `count`.
+template <class Point>
+std::vector<Lane8x3> grouped(std::size_t count, Point&& point) {
+  std::vector<Lane8x3> groups((count + kLanes - 1) / kLanes);
+  for (std::size_t i = 0; i < groups.size() * kLanes; ++i) {
+    const Vec3& p = point(i < count ? i : 0);
+    Lane8x3& g = groups[i / kLanes];
+    g.x.v[i % kLanes] = p[0], g.y.v[i % kLanes] = p[1], g.z.v[i % kLanes] = p[2];
+  }
+  return groups;
+}
+
+unsigned groups_in(const std::vector<Lane8x3>& groups) { return static_cast<unsigned>(groups.size()); }
+
+}  // namespace
 
 Hull::Hull(HullData data, std::span<const Vec3> points)
-    : Shape("hull", true), data_(std::move(data)), points_(points.begin(), points.end()) {}
+    : Shape("hull", true), data_(std::move(data)),
+      corner_lanes_(grouped(data_.corners.size(), [&](std::size_t i) -> const Vec3& { return data_.corners[i]; })),
+      normal_lanes_(grouped(data_.faces.size(), [&](std::size_t i) -> const Vec3& { return data_.faces[i].normal; })),
+      kernel_(point_kernel()), points_(points.begin(), points.end()) {}
 
 Aabb Hull::bounds(const Pose& pose) const {
   const Mat3 r = to_matrix(pose.rotation);
-  Aabb box;
-  for (const Vec3& c : data_.corners) box.include(Vec3(r * c));
-  return {box.lo + pose.position, box.hi + pose.position};
+  const Real rows[9] = {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)};
+  Real lo[3], hi[3];
+  kernel_->bounds(corner_lanes_.data(), groups_in(corner_lanes_), rows, lo, hi);
+  return {vec3(lo[0], lo[1], lo[2]) + pose.position, vec3(hi[0], hi[1], hi[2]) + pose.position};
 }
 
 // Second moments over tetrahedra from an inner point to the triangles of the faces (Tonon 2004), as the covariance C
@@ -76,19 +105,12 @@ bool Hull::raycast(const Vec3& o, const Vec3& d, RayHit& hit) const {
 }
 
 Vec3 Hull::support(const Vec3& d) const {
-  const Vec3* best = &data_.corners[0];
-  Real far = dot(*best, d);
-  for (const Vec3& c : data_.corners) {
-    const Real h = dot(c, d);
-    if (h > far) far = h, best = &c;
-  }
-  return *best;
+  return data_.corners[kernel_->farthest(corner_lanes_.data(), groups_in(corner_lanes_), d[0], d[1], d[2])];
 }
 
 int Hull::face(const Vec3& d, Vec3* points) const {
-  const HullFace* best = &data_.faces[0];
-  for (const HullFace& f : data_.faces)
-    if (dot(f.normal, d) > dot(best->normal, d)) best = &f;
+  const HullFace* best =
+      &data_.faces[kernel_->farthest(normal_lanes_.data(), groups_in(normal_lanes_), d[0], d[1], d[2])];
   // rounder faces give evenly chosen corners
   const int count = std::min<int>(best->count, kMaxFacePoints);
   for (int i = 0; i < count; ++i) points[i] = data_.corner(*best, i * best->count / count);

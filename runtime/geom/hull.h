@@ -1,6 +1,7 @@
 // Convex hull of a point cloud: corners, polygonal faces, edges.
 #pragma once
 #include "feder/shape.h"
+#include "geom/points_wide.h"
 
 namespace feder {
 
@@ -41,6 +42,8 @@ class Hull final : public Shape {
 
  private:
   HullData data_;
+  std::vector<Lane8x3> corner_lanes_, normal_lanes_;  // of data_, eight to a group
+  const PointKernel* kernel_;
   std::vector<Vec3> points_;  // as given: quickhull's corners depend on their order
 };
 

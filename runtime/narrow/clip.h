@@ -34,7 +34,9 @@ void clip(ClipLoop<kCapacity>& loop, bool closed, std::uint8_t label, Height&& h
     cut.p[cut.count] = loop.p[i] + (h[i] / (h[i] - h[j])) * (loop.p[j] - loop.p[i]);
     cut.edge[cut.count++] = inside ? label : loop.edge[i];
   }
-  loop = cut;
+  // only what is in use
+  loop.count = cut.count;
+  for (int i = 0; i < cut.count; ++i) loop.p[i] = cut.p[i], loop.edge[i] = cut.edge[i];
 }
 
 }  // namespace feder

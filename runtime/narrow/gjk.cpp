@@ -12,79 +12,85 @@ constexpr int kMaxIterations = 80;
 constexpr double kTouching = 1e-9;  // of the size of the simplex: nearer cores count as overlapping
 constexpr double kGain = 1e-10;     // relative: a support point that gains less ends the search
 
-// Sets the weights of the nearest point to the origin on one vertex, edge or face, and drops the rest.
-void keep(Simplex& s, int i) {
-  s.v[0] = s.v[i];
-  s.weight[0] = 1;
-  s.count = 1;
+// The point of a simplex nearest to the origin: on which of its vertices' vertex, edge or face, and its weights there.
+struct Nearest {
+  int count;
+  int vertex[3];
+  double weight[3];
+};
+
+Nearest nearest_on_edge(const Difference* v, int i, int j) {
+  const Double3 &p = v[i].w, &q = v[j].w;
+  const Double3 e = q - p;
+  const double t = -dot(p, e), len = dot(e, e);
+  if (t <= 0 || !(len > 0)) return {1, {i}, {1}};
+  if (t >= len) return {1, {j}, {1}};
+  const double second = t / len;
+  return {2, {i, j}, {1 - second, second}};
 }
 
-void nearest_on_edge(Simplex& s, int i, int j) {
-  const Difference p = s.v[i], q = s.v[j];
-  const Double3 e = q.w - p.w;
-  const double t = -dot(p.w, e), len = dot(e, e);
-  if (t <= 0 || !(len > 0)) return keep(s, i);
-  if (t >= len) return keep(s, j);
-  s.v[0] = p, s.v[1] = q;
-  s.weight[1] = t / len, s.weight[0] = 1 - s.weight[1];
-  s.count = 2;
-}
-
-void nearest_on_triangle(Simplex& s, int i, int j, int k) {
-  const Difference a = s.v[i], b = s.v[j], c = s.v[k];
-  const Double3 ab = b.w - a.w, ac = c.w - a.w;
-  const double d1 = -dot(ab, a.w), d2 = -dot(ac, a.w);
-  if (d1 <= 0 && d2 <= 0) return keep(s, i);
-  const double d3 = -dot(ab, b.w), d4 = -dot(ac, b.w);
-  if (d3 >= 0 && d4 <= d3) return keep(s, j);
-  const double d5 = -dot(ab, c.w), d6 = -dot(ac, c.w);
-  if (d6 >= 0 && d5 <= d6) return keep(s, k);
+Nearest nearest_on_triangle(const Difference* v, int i, int j, int k) {
+  const Double3 &a = v[i].w, &b = v[j].w, &c = v[k].w;
+  const Double3 ab = b - a, ac = c - a;
+  const double d1 = -dot(ab, a), d2 = -dot(ac, a);
+  if (d1 <= 0 && d2 <= 0) return {1, {i}, {1}};
+  const double d3 = -dot(ab, b), d4 = -dot(ac, b);
+  if (d3 >= 0 && d4 <= d3) return {1, {j}, {1}};
+  const double d5 = -dot(ab, c), d6 = -dot(ac, c);
+  if (d6 >= 0 && d5 <= d6) return {1, {k}, {1}};
   const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return nearest_on_edge(s, i, j);
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return nearest_on_edge(s, i, k);
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return nearest_on_edge(s, j, k);
+  if (vc <= 0 && d1 >= 0 && d3 <= 0) return nearest_on_edge(v, i, j);
+  if (vb <= 0 && d2 >= 0 && d6 <= 0) return nearest_on_edge(v, i, k);
+  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return nearest_on_edge(v, j, k);
   const double sum = va + vb + vc;
-  if (!(sum > 0)) return nearest_on_edge(s, i, j);
-  s.v[0] = a, s.v[1] = b, s.v[2] = c;
-  s.weight[1] = vb / sum, s.weight[2] = vc / sum, s.weight[0] = 1 - s.weight[1] - s.weight[2];
-  s.count = 3;
+  if (!(sum > 0)) return nearest_on_edge(v, i, j);
+  const double second = vb / sum, third = vc / sum;
+  return {3, {i, j, k}, {1 - second - third, second, third}};
+}
+
+Double3 point_of(const Difference* v, const Nearest& n) {
+  Double3 p{};
+  for (int i = 0; i < n.count; ++i) p = p + n.weight[i] * v[n.vertex[i]].w;
+  return p;
+}
+
+// False when the origin is inside the tetrahedron.
+bool nearest_on_tetrahedron(const Difference* v, Nearest& nearest) {
+  constexpr int kFace[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}};
+  double best = std::numeric_limits<double>::infinity();
+  bool outside = false;
+  for (const auto& f : kFace) {
+    const Double3 &a = v[f[0]].w, &b = v[f[1]].w, &c = v[f[2]].w, &d = v[f[3]].w;
+    const Double3 n = cross(b - a, c - a);
+    const double origin = -dot(n, a), opposite = dot(n, d - a);
+    if (origin * opposite > 0) {
+      // on the inner side of this face, unless that is rounding
+      const double flat = 1e-14 * length(n) * (length(d - a) + length(b - a));
+      if (std::abs(opposite) > flat) continue;
+    }
+    outside = true;
+    const Nearest here = nearest_on_triangle(v, f[0], f[1], f[2]);
+    const Double3 p = point_of(v, here);
+    if (dot(p, p) < best) best = dot(p, p), nearest = here;
+  }
+  return outside;
+}
+
+// The vertices of s that its nearest point needs. False when s holds the origin.
+bool reduce_to_nearest(const Simplex& s, Simplex& reduced) {
+  Nearest n{1, {0}, {1}};
+  if (s.count == 2) n = nearest_on_edge(s.v, 0, 1);
+  if (s.count == 3) n = nearest_on_triangle(s.v, 0, 1, 2);
+  if (s.count == 4 && !nearest_on_tetrahedron(s.v, n)) return false;
+  reduced.count = n.count;
+  for (int i = 0; i < n.count; ++i) reduced.v[i] = s.v[n.vertex[i]], reduced.weight[i] = n.weight[i];
+  return true;
 }
 
 Double3 nearest_point(const Simplex& s) {
   Double3 p{};
   for (int i = 0; i < s.count; ++i) p = p + s.weight[i] * s.v[i].w;
   return p;
-}
-
-// False when the origin is inside the tetrahedron.
-bool nearest_on_tetrahedron(Simplex& s) {
-  constexpr int kFace[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}};
-  const Simplex whole = s;
-  double best = std::numeric_limits<double>::infinity();
-  bool outside = false;
-  for (const auto& f : kFace) {
-    const Double3 &a = whole.v[f[0]].w, &b = whole.v[f[1]].w, &c = whole.v[f[2]].w, &d = whole.v[f[3]].w;
-    const Double3 n = cross(b - a, c - a);
-    const double origin = -dot(n, a), opposite = dot(n, d - a);
-    const double flat = 1e-14 * length(n) * (length(d - a) + length(b - a));
-    if (origin * opposite > 0 && std::abs(opposite) > flat) continue;  // on the inner side of this face
-    outside = true;
-    Simplex t = whole;
-    nearest_on_triangle(t, f[0], f[1], f[2]);
-    const Double3 p = nearest_point(t);
-    if (dot(p, p) < best) best = dot(p, p), s = t;
-  }
-  return outside;
-}
-
-// False when the simplex holds the origin.
-bool reduce_to_nearest(Simplex& s) {
-  switch (s.count) {
-    case 1: s.weight[0] = 1; return true;
-    case 2: nearest_on_edge(s, 0, 1); return true;
-    case 3: nearest_on_triangle(s, 0, 1, 2); return true;
-    default: return nearest_on_tetrahedron(s);
-  }
 }
 
 bool has_vertex(const Simplex& s, const Double3& w) {
@@ -141,33 +147,49 @@ bool gjk_distance(const ConvexPair& pair, const Double3& start, double enough, S
   Double3 v = start;
   double len = length(v);
   if (!(len > 0)) v = {0, 1, 0}, len = 1;
-  simplex.v[0] = support(pair, (-1 / len) * v);
+  const Double3 first = (-1 / len) * v;
+  simplex.v[0] = support(pair, first);
   simplex.count = 1;
   simplex.weight[0] = 1;
   v = simplex.v[0].w;
+  // a start that separates them far enough, as the axis of the last step mostly does, is the answer
+  const double apart = -dot(first, v);
+  if (apart > enough) {
+    gap = {apart, simplex.v[0].a, simplex.v[0].b, first};
+    return true;
+  }
+  // two simplices take turns: the nearest one so far, and the next
+  Simplex other;
+  Simplex *nearest = &other, *next = &simplex;
   double size = length(v), best = std::numeric_limits<double>::infinity();
-  Simplex nearest = simplex;
   Double3 nearest_v = v;
   for (int iteration = 0; iteration < kMaxIterations; ++iteration) {
     len = length(v);
-    if (!(len > kTouching * size)) return false;
+    if (!(len > kTouching * size)) {
+      if (next != &simplex) simplex = *next;
+      return false;
+    }
     if (len >= best) break;  // rounding has the last word
-    best = len, nearest = simplex, nearest_v = v;
-    const Difference next = support(pair, (-1 / len) * v);
-    size = std::max(size, length(next.w));
-    const double bound = dot(v, next.w) / len;  // no point of the difference is nearer along v
+    best = len, nearest_v = v;
+    std::swap(nearest, next);
+    const Difference found = support(pair, (-1 / len) * v);
+    size = std::max(size, length(found.w));
+    const double bound = dot(v, found.w) / len;  // no point of the difference is nearer along v
     if (bound > enough) {
-      fill_gap(simplex, v, gap);
+      fill_gap(*nearest, v, gap);
       gap.distance = bound;
       return true;
     }
-    if (len - bound <= kGain * len || has_vertex(simplex, next.w)) break;
-    simplex.v[simplex.count++] = next;
-    if (!reduce_to_nearest(simplex)) return false;
-    v = nearest_point(simplex);
+    if (len - bound <= kGain * len || has_vertex(*nearest, found.w)) break;
+    nearest->v[nearest->count++] = found;
+    if (!reduce_to_nearest(*nearest, *next)) {
+      if (nearest != &simplex) simplex = *nearest;
+      return false;
+    }
+    --nearest->count;
+    v = nearest_point(*next);
   }
-  simplex = nearest;
-  fill_gap(simplex, nearest_v, gap);
+  fill_gap(*nearest, nearest_v, gap);
   return true;
 }
 

@@ -40,8 +40,8 @@ Difference support(const ConvexPair& pair, const Double3& direction);
 
 struct Simplex {
   Difference v[4];
-  double weight[4] = {0, 0, 0, 0};  // of the nearest point
-  int count = 0;
+  double weight[4];  // of the nearest point
+  int count = 0;     // in use
 };
 
 struct Gap {
@@ -50,7 +50,7 @@ struct Gap {
   Double3 normal{};     // unit, from a to b
 };
 
-// True when the cores are apart: `gap` is filled. Else the simplex holds the origin, to rounding. `start`: a guess of
+// True when the cores are apart: `gap` is filled. Else `simplex` holds the origin, to rounding. `start`: a guess of
 // the direction from b to a. Stops early with distance = lower bound when that exceeds `enough`.
 bool gjk_distance(const ConvexPair& pair, const Double3& start, double enough, Simplex& simplex, Gap& gap);
 

@@ -8,9 +8,12 @@ namespace feder {
 inline constexpr int kMaxPatchPoints = 2 * kMaxFacePoints + 1;
 
 struct Patch {
+  Patch() {}
   Vec3 normal;    // unit, from a to b
   int count = 0;  // points with separation <= margin, not reduced
-  ManifoldPoint points[kMaxPatchPoints];
+  union {         // not filled before use
+    ManifoldPoint points[kMaxPatchPoints];
+  };
   std::uint8_t reference = 0;  // 1: points lie on a face of a; 2: of b; 0: edges or a single point
 };
 

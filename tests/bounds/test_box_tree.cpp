@@ -36,6 +36,9 @@ void compare(BoxTree& tree, const std::vector<Aabb>& list, Rng& rng, bool coarse
     std::sort(found.begin(), found.end());
     REQUIRE(found == expected);
   }
+  std::size_t all = 0;
+  tree.query(Aabb::everything(), [&](std::uint32_t) { ++all; });
+  REQUIRE(all == list.size());
   // pairs: what queries find with the items' own boxes, in their order
   using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
   Pairs found, expected;
@@ -50,7 +53,7 @@ void compare(BoxTree& tree, const std::vector<Aabb>& list, Rng& rng, bool coarse
 }  // namespace
 
 TEST_CASE("a box tree finds exactly the overlapping items, each once, also after a refit", "[bounds]") {
-  const int count = GENERATE(0, 1, 4, 5, 257);
+  const int count = GENERATE(0, 1, 4, 5, 9, 17, 40, 130, 257);
   const bool coarse = GENERATE(false, true);
   Arena arena("test");
   Rng rng(11);
@@ -65,5 +68,16 @@ TEST_CASE("a box tree finds exactly the overlapping items, each once, also after
     tree.refit(list);
     CHECK(arena.allocations() == allocations);
     compare(tree, list, rng, coarse);
+  }
+}
+
+TEST_CASE("one box against many meets what it overlaps", "[bounds]") {
+  Rng rng(12);
+  const bool coarse = GENERATE(false, true);
+  std::vector<Aabb> list = boxes(200, rng, coarse);
+  list.push_back(Aabb::everything()), list.push_back(Aabb{});
+  for (const Aabb& a : list) {
+    const BoxQuery query(a);
+    for (const Aabb& b : list) REQUIRE(query.meets(b) == overlaps(b, a));
   }
 }

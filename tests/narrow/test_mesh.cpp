@@ -1,5 +1,6 @@
 // Convex shapes on triangle meshes: seams are not felt, sharp edges are, sides do not matter.
 #include "base/rng.h"
+#include "narrow/gjk.h"
 #include "narrow/narrow_phase.h"
 #include "poses.h"
 #include "support/catch.h"
@@ -116,4 +117,50 @@ TEST_CASE("moving mesh and shape together changes nothing", "[narrow][mesh]") {
     REQUIRE(b.count >= 1);
     CHECK(deepest(a.m, a.count) == Approx(deepest(b.m, b.count)).margin(2e-3));
   }
+}
+
+TEST_CASE("a lone triangle pushes the shortest way, as a search over all directions finds it", "[narrow][mesh]") {
+  const int kinds = static_cast<int>(shape_kinds().size());
+  const int kind = GENERATE_COPY(range(0, kinds));
+  Rng rng(static_cast<std::uint64_t>(kind) + 21);
+  int pushed = 0, face_pushes = 0;
+  for (const ShapePtr& shape : shape_kinds()[static_cast<std::size_t>(kind)].samples()) {
+    if (!shape->convex() || shape->planar()) continue;
+    const Real size = shape->extent(Vec3::Zero()), margin = Real(0.02) * size;
+    for (int trial = 0; trial < 400; ++trial) {
+      const Vec3 corners[3] = {random_direction(rng) * size * rng.uniform(Real(0.3), 3), random_direction(rng) * size,
+                               random_direction(rng) * size * rng.uniform(Real(0.3), 2)};
+      const Vec3 across = cross(corners[1] - corners[0], corners[2] - corners[0]);
+      if (length(across) < Real(0.1) * size * size) continue;
+      const std::uint32_t numbers[3] = {0, 1, 2};
+      const ShapePtr mesh = make_mesh(corners, numbers);
+      // over a random point of the triangle, a little in or out
+      const Real u = rng.uniform(Real(-0.2), 1), v = rng.uniform(Real(-0.2), Real(1.2)) * (1 - u);
+      const Vec3 front = across / length(across),
+                 foot = corners[0] + u * (corners[1] - corners[0]) + v * (corners[2] - corners[0]);
+      Pose pose{Vec3::Zero(), random_rotation(rng)};
+      const Vec3 low = to_world(pose, shape->support(rotate_inverse(pose.rotation, -front)));
+      pose.position = foot - low + front * (shape->radius() + rng.uniform(Real(-0.05), Real(0.03)) * size);
+
+      Gap gap;
+      const ConvexPair pair(Convex(*shape), pose, Convex(corners, 3), Pose{});
+      const bool near = core_gap(pair, -pair.offset, double(margin) + shape->radius(), gap);
+      const Real separation = near ? Real(gap.distance) - shape->radius() : kInfinity;
+      const Vec3 towards = -rotate(pose.rotation, narrow(gap.normal));
+      const Hit hit = collide(*shape, pose, *mesh, {}, margin);
+      const Real tolerance = Real(2e-3) * size;
+      CAPTURE(shape->kind(), trial, separation, margin, hit.count, dot(towards, front));
+      if (!near || separation > margin - tolerance) {
+        if (hit.count) CHECK(deepest(hit.m, hit.count) > margin - 2 * tolerance);
+        continue;
+      }
+      if (dot(towards, front) < Real(0.05)) continue;  // from behind, where the side of the middle decides
+      REQUIRE(hit.count == 1);
+      CHECK(deepest(hit.m, 1) == Approx(separation).margin(tolerance));
+      CHECK(dot(hit.m[0].normal, -towards) > Real(0.99));
+      ++pushed, face_pushes += dot(towards, front) > Real(0.9999);
+    }
+  }
+  if (pushed) CHECK(face_pushes > pushed / 10);
+  if (pushed) CHECK(face_pushes < pushed * 9 / 10);
 }
