@@ -91,7 +91,7 @@ struct ContactKernels {
   void (*warm_start)(const ContactPass&);
   void (*mark)(const ContactPass&);    // which points strike
   void (*strike)(const ContactPass&);  // restitution, a round over those
-  void (*solve)(const ContactPass&);   // with bias, without friction
+  void (*solve)(const ContactPass&);   // with bias; friction in part
   void (*relax)(const ContactPass&);   // without bias; friction, twist, rolling
 };
 

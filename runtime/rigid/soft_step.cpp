@@ -1,6 +1,5 @@
 // Soft step: substepped sequential impulses with soft constraints (Catto, "Solver2D", 2024; "Soft Constraints", GDC
-// 2011). Per substep: impacts, warm start, joints and contacts with bias, positions, the same without bias (friction
-// only here, so that it never reacts to bias velocity).
+// 2011). Per substep: impacts, warm start, joints and contacts with bias, positions, the same without bias.
 // Impacts are pairwise and sequential, before the soft rows could share them out: all points that will touch within the
 // substep, faster than bounce_speed, strike at once with restitution (Newton's law, rounds of Gauss-Seidel); then those
 // that this has made approach, and so on, so that a row of balls passes a blow on to the last (in the spirit of
@@ -32,7 +31,7 @@ constexpr int kFixedColor = 48;  // colours from here on: contacts against immov
 // softer by kCrowd per contact's worth of stiffness above one. With less, pyramids of 30 do not come to rest; with 1.5
 // one of 100 buckles. Immovable bodies count kSupport: with 1/2 a heavy crate on a light one oscillates for twice as
 // long, with 1 a tower sinks a twentieth deeper.
-constexpr Real kCrowd = 1, kSupport = 0.75;
+constexpr Real kCrowd = 1.25, kSupport = 0.75;
 // A contact bounces when it closes faster than gravity alone would make it in so many substeps, and bounce_speed.
 constexpr Real kRestSubsteps = 4;
 constexpr int kStrikeWaves = 64;  // in a substep; what has not been passed on then is left to the soft rows
@@ -53,7 +52,7 @@ class SoftStep final : public RigidSolver {
  public:
   SoftStep(Arena& arena, const Params& p)
       : kernels_(&pick_kernels(wide_kernels(p))), contact_hertz_(p.real({"contact_hertz", "Hz", {0.1, 1e5}}, 72)),
-        contact_damping_(p.real({"contact_damping", "", {0, 1e3}}, 6)),
+        contact_damping_(p.real({"contact_damping", "", {0, 1e3}}, 16)),
         contact_cap_(p.real({"contact_cap", "", kUnitRange}, 0.3)),
         push_speed_(p.real({"push_speed", "m/s", {0, 1e6}}, 3)),
         bounce_speed_(p.real({"bounce_speed", "m/s", {0, 1e6}}, 0.02)),
