@@ -32,7 +32,9 @@ class BroadPhase {
                           std::span<const std::uint32_t> touched, Array<IndexPair>& pairs) = 0;
 
   // Boxes of the last find_pairs() that overlap `box` / are hit by the segment, ascending; replaces `found`.
+  // query_still(): all still ones that do, and perhaps some that move.
   virtual void query(const Aabb& box, Array<std::uint32_t>& found) const = 0;
+  virtual void query_still(const Aabb& box, Array<std::uint32_t>& found) const { query(box, found); }
   virtual void query_ray(const Vec3& origin, const Vec3& ray, Array<std::uint32_t>& found) const = 0;
 };
 

@@ -58,6 +58,16 @@ class Tree final : public BroadPhase {
     std::sort(found.begin(), found.end());
   }
 
+  void query_still(const Aabb& box, Array<std::uint32_t>& found) const override {
+    found.clear();
+    const auto visit = [&](std::uint32_t i) {
+      if (overlaps(boxes_[i], box)) found.push_back(i);
+    };
+    still_.query(box, visit);
+    for (const std::uint32_t i : side_) visit(i);
+    std::sort(found.begin(), found.end());
+  }
+
   void query_ray(const Vec3& origin, const Vec3& ray, Array<std::uint32_t>& found) const override {
     found.clear();
     const auto visit = [&](std::uint32_t i) {

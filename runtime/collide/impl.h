@@ -203,6 +203,7 @@ struct Collide::Impl {
   Array<ContactMemory> memory{&arena};                        // by slot
   Array<std::uint32_t> watched{&arena};                       // indices in `entries`
   Array<Exclusion> exclusions{&arena};                        // sorted
+  bool scenery_changed = false;                               // something at rest counts as moving in this step
   bool examine_all = false;                                   // after a load
   bool recheck_filters = false;                               // exclusions changed
   bool recheck_surfaces = false;                              // material pairs changed

@@ -50,6 +50,7 @@ void Collide::Impl::compare_colliders() {
   }
   list_examined();
   for (const std::uint32_t i : changes) compare_collider(i);
+  scenery_changed = false;
   for (const std::uint32_t i : examined) compare_motion(i);
   if (contacts->resting.count)
     for (const std::uint32_t i : examined) take_resting(i);
@@ -95,6 +96,7 @@ void Collide::Impl::compare_motion(std::uint32_t i) {
     s.bits ^= kAwake | kSettled;
   const bool moving = c.awake[i] || c.sensor[i] || (s.bits & (kChanged | kSettled));
   motion[i] = moving ? BoxMotion::moving : BoxMotion::still;
+  if (moving && !c.awake[i] && c.motion[i] != ColliderMotion::dynamic) scenery_changed = true;
 }
 
 void Collide::Impl::find_pairs(StepContext&) {

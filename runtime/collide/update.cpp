@@ -108,10 +108,7 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
     m.extent = std::min(seen[a].extent, seen[b].extent);
     m.margin = std::min(kSpeculative, kSpeculativeShare * m.extent);
   }
-  // bullets: the speculative distance is that of this step, and nothing is recycled
-  const bool bullet = c.bullet[a] || c.bullet[b];
-  const Real speculative_distance = bullet ? length(c.velocity[b] - c.velocity[a]) * dt : Real(0);
-  if (speculative_distance > 0 || !recycle(group)) test_fresh(group, m.margin + speculative_distance);
+  if (!recycle(group)) test_fresh(group, m.margin);
   for (ContactEntry& e : group) {
     Contact& contact = contacts->slots[e.slot];
     if (contact.fresh || (seen_bits & (kSurfaceChanged | kConveyor))) mix(contact);

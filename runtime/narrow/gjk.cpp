@@ -112,7 +112,7 @@ void fill_gap(const Simplex& s, const Double3& v, Gap& gap) {
 }  // namespace
 
 Vec3 Convex::support(const Vec3& d) const {
-  if (shape) return shape->support(d);
+  if (shape) return scale == 1 ? shape->support(d) : Vec3(center + scale * (shape->support(d) - center));
   int best = 0;
   for (int i = 1; i < count; ++i)
     if (dot(points[i], d) > dot(points[best], d)) best = i;

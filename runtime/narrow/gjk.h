@@ -15,6 +15,8 @@ struct Convex {
   const Vec3* points = nullptr;
   int count = 0;
   Real radius = 0;
+  Real scale = 1;  // of a shape, about `center`; its radius is scaled by hand
+  Vec3 center = Vec3::Zero();
 
   Vec3 support(const Vec3& direction) const;
   int face(const Vec3& direction, Vec3* out) const;  // as Shape::face; loose points: all of them

@@ -45,6 +45,15 @@ struct BodySolid {
   Mat3 inertia = Mat3::Zero();      // about the centre of mass, kg m^2
 };
 
+// Where a fast body has to stop in a step.
+struct FastStop {
+  Real time = 2;                // fraction of the step; above 1: nowhere
+  std::uint32_t other = kNone;  // the body that it meets
+  std::size_t obstacles = 0;    // looked at
+  Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
+  OwnerMotion other_motion;
+};
+
 struct Rigid::Impl {
   explicit Impl(SystemSetup& setup);
 
@@ -93,6 +102,15 @@ struct Rigid::Impl {
   void refresh(StepContext& c);
   void rebuild_list();
   SolverInput input();
+
+  // continuous.cpp
+  OwnerMotion motion_in_step(std::uint32_t i) const;
+  bool is_fast(std::uint32_t p) const;
+  void sweep_collider(std::uint32_t i, std::uint32_t k, const OwnerMotion& motion, Real begin, Real end,
+                      Array<std::uint32_t>& found, FastStop& stop);
+  void find_stop(std::uint32_t p, Array<std::uint32_t>& found);
+  void apply_stop(std::uint32_t p);
+  void stop_fast(StepContext& c);
 
   // spin.cpp
   void list_spins(StepContext& c);
@@ -184,6 +202,7 @@ struct Rigid::Impl {
 
   // per body, beside Bodies
   Array<Real> volume{&arena};                 // m^3
+  Array<Real> core_depth{&arena};             // how far a motion may go that passes through nothing, m
   Array<Real> area{&arena};                   // cross-section of the sphere of that volume, m^2
   Array<std::uint8_t> asymmetric{&arena};     // uneven moments of inertia: angular momentum is integrated
   Array<Vec3> kept_momentum{&arena};          // angular momentum at the end of the last step, N m s, and its velocity:
@@ -208,8 +227,8 @@ struct Rigid::Impl {
   }
   template <class S, class F>
   static void each_saved_array(S& s, F&& f) {
-    for_each_of(f, s.volume, s.area, s.asymmetric, s.kept_momentum, s.kept_angular_velocity, s.principal, s.inv_moments,
-                s.spin_invariant, s.sleep_candidate, s.next_in_island);
+    for_each_of(f, s.volume, s.core_depth, s.area, s.asymmetric, s.kept_momentum, s.kept_angular_velocity, s.principal,
+                s.inv_moments, s.spin_invariant, s.sleep_candidate, s.next_in_island);
   }
   template <class S, class F>
   static void each_saved(S& s, F&& f);  // rigid.cpp
@@ -233,6 +252,8 @@ struct Rigid::Impl {
   Array<std::uint32_t> moving{
       &arena};  // awake dynamic and kinematic bodies, ascending; moving[p] has solver index p + 1
   bool list_stale = true;
+  Array<FastStop> stops{&arena};                              // of moving[p]
+  std::vector<Array<std::uint32_t>> stop_scratch;             // by worker
   Array<ObjectId> moved{&arena};                              // awake in the last step
   Array<std::uint32_t> touching{&arena};                      // slots of contacts; wake_touching
   Array<Vec3> applied_force{&arena}, applied_torque{&arena};  // by p, N and N m
@@ -246,6 +267,7 @@ struct Rigid::Impl {
   Array<std::uint32_t> point_rank{&arena};
   std::uint32_t body_count = 0, sleeping_count = 0;
   std::uint64_t force_count = 0;  // generators when the passes were added
+  bool sweep_warned = false;      // warned of kMostObstacles
   bool cap_warned = false;        // warned of the iteration limit
   bool poses_stale = false;       // collider poses are of the start of the last step
   bool any_candidate = false;

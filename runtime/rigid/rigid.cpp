@@ -60,6 +60,7 @@ void Rigid::add_passes(StepPlan& plan) {
   plan.add<&Impl::integrate_velocities>(Rank::body_velocities, "integrate velocities", kName, s);
   plan.add<&Impl::solve>(Rank::body_solve, "solve", kName, s);
   plan.add<&Impl::finish_solve>(Rank::restitution, "restitution and impulses", kName, s);
+  plan.add<&Impl::stop_fast>(Rank::commit, "continuous collision", kName, s);
   plan.add<&Impl::commit>(Rank::commit, "commit", kName, s);
   plan.add<&Impl::refresh>(Rank::query_colliders, "place colliders", kName, s);
 }

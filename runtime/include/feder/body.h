@@ -34,7 +34,7 @@ struct BodyDesc {
   Vec3 surface_velocity = Vec3::Zero();          // body frame, m/s
   Real linear_damping = 0, angular_damping = 0;  // 1/s
   Real gravity_scale = 1;
-  bool bullet = false;
+  bool bullet = false;    // passes through no moving body either; fixed ones stop all, however fast
   bool sleeping = false;  // starts asleep
   bool can_sleep = true;
   Real sleep_threshold = Real(0.04);  // m/s: what stays slower falls asleep

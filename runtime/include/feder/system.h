@@ -99,6 +99,19 @@ std::unique_ptr<System> make_system(SystemSetup& setup) {
 
 using Catalog = std::span<const SystemDescriptor* const>;
 
+// The centre-of-mass frame of an owner of colliders in a step: where it starts, how far it goes, and its rotation
+// vector, rad.
+struct OwnerMotion {
+  Pose from;
+  Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();
+};
+
+struct OwnerImpact {
+  Real time = 2;               // fraction of the step; above 1: none
+  Vec3 normal = Vec3::Zero();  // unit, world, from a to b
+  Vec3 point = Vec3::Zero();   // on b, world
+};
+
 // What owners of colliders (rigid bodies, net points) may ask of collision detection, and what it asks of them.
 // The system named "collide" implements it; owners find it by name and know no more of it.
 class ContactService {
@@ -119,6 +132,17 @@ class ContactService {
 
   // The number of a named material, made on first use. Number 0 is "no material".
   virtual std::uint16_t material(std::string_view name) = 0;
+
+  // Least distance from the surface of a shape to its core, m: a shape that moves less passes through nothing.
+  virtual Real core_depth(const Shape& shape) const = 0;
+
+  // Parts of bodies that a collider may meet, with boxes that overlap `box`, ascending; replaces `found`. Fixed ones
+  // and kinematic ones at rest; `moving`: also those that move. Between the broad phase of a step and its end.
+  virtual void obstacles(std::uint32_t collider, const Aabb& box, bool moving, Array<std::uint32_t>& found) const = 0;
+  // When collider `a` of the moving owner has to stop on its way from `begin` to `end`, fractions of the step, lest it
+  // passes through b. Its box on that way is in `within`.
+  virtual OwnerImpact impact(std::uint32_t a, const OwnerMotion& motion_a, std::uint32_t b, const OwnerMotion& motion_b,
+                             Real begin, Real end, const Aabb& within) const = 0;
 };
 
 }  // namespace feder

@@ -1,0 +1,177 @@
+// Time of impact by conservative advancement (Mirtich 1996): the distance divided by a bound of the closing speed, that
+// of the centres along the normal plus what rotation adds at the farthest point, can always be travelled. First the
+// core of a (kCoreScale): only what it meets is an obstacle. Then the shape itself against that obstacle, to find where
+// to stop. Keeps nothing between calls. Weak spot: spins of many turns per step creep towards the surface; what has not
+// arrived after kMaxAdvances goes on as a ball that is inside the core at any rotation. Parts of a shape outside its
+// core may rotate through something thin.
+#include "narrow/impact.h"
+
+#include <algorithm>
+
+#include "feder/error.h"
+#include "geom/width.h"
+#include "narrow/gjk.h"
+
+namespace feder {
+namespace {
+
+constexpr int kMaxAdvances = 48;
+constexpr Real kArrived = Real(1) / 64;  // of the core's distance from the surface of the shape: as near as this is a hit
+
+constexpr Real kBallScales[] = {Real(0.4), Real(0.02)};  // of the least half width: balls that are looked at instead
+
+enum class Advance : std::uint8_t { hit, miss, unfinished };
+
+// One side of a pair in motion.
+struct Mover {
+  const Sweep& sweep;
+  Convex convex;
+  Real reach;  // of the shape from its owner's centre of mass, m
+};
+
+Real reach_of(const Sweep& s) {
+  return s.turn.isZero(0) ? Real(0) : s.shape->extent(to_local(s.local, Vec3::Zero()));
+}
+
+// Distance of a convex `a` from b at one time, and the normal from a to b: what advances differ in.
+struct Apart {
+  double distance;
+  Vec3 normal, point;
+};
+
+struct ConvexApart {
+  const Mover& a;
+  const Mover& b;
+  Apart operator()(Real t) const {
+    const Pose pose_a = a.sweep.at(t), pose_b = b.sweep.at(t);
+    const ConvexPair pair(a.convex, pose_a, b.convex, pose_b);
+    Simplex simplex;
+    Gap gap;
+    const double radii = double(a.convex.radius) + b.convex.radius;
+    if (!gjk_distance(pair, -pair.offset, std::numeric_limits<double>::infinity(), simplex, gap))
+      return {-radii, Vec3::Zero(), Vec3::Zero()};
+    const Vec3 n = rotate(pose_a.rotation, narrow(gap.normal));
+    return {gap.distance - radii, n, to_world(pose_a, narrow(gap.b)) - n * b.convex.radius};
+  }
+};
+
+struct PlaneApart {
+  const Mover& a;
+  const Sweep& b;
+  Apart operator()(Real t) const {
+    const Pose pose_a = a.sweep.at(t), pose_b = b.at(t);
+    Vec3 n;
+    Real distance = 0;
+    b.shape->half_space(n, distance);
+    n = rotate(pose_b.rotation, n);
+    const Vec3 low = to_world(pose_a, a.convex.support(rotate_inverse(pose_a.rotation, -n))) - n * a.convex.radius;
+    const Real height = dot(n, low - pose_b.position) - distance;
+    return {double(height), -n, low - n * height};
+  }
+};
+
+// Goes on from `t` until the distance is `target`, or to `end`.
+template <class F>
+Advance advance(const Mover& a, const Mover& b, F&& apart, Real target, Real end, Real& t, Apart& last) {
+  const double turning = double(length(a.sweep.turn)) * a.reach + double(length(b.sweep.turn)) * b.reach;
+  const Vec3 shift = a.sweep.shift - b.sweep.shift;
+  for (int i = 0; i < kMaxAdvances; ++i) {
+    last = apart(t);
+    if (last.distance <= target) return Advance::hit;
+    const double closing = double(dot(shift, last.normal)) + turning;
+    if (!(closing > 0)) return Advance::miss;
+    t = Real(t + (last.distance - target / 2) / closing);
+    if (!(t < end)) return Advance::miss;
+  }
+  return Advance::unfinished;
+}
+
+struct Pair {
+  const Sweep& a;
+  const Sweep& b;
+  Real begin, target;
+  Vec3 center;  // of the core
+  Real skin;    // how far the core is inside the shape
+  Impact hit;   // earliest so far; time = end of the search
+  bool found = false;
+};
+
+// When the core meets b, given how far apart they are. Of what overlaps at the start, a ball inside the core.
+template <class Make>
+bool core_meets(const Pair& p, const Mover& b, Make&& make, Real& t, Apart& last) {
+  Mover core{p.a, Convex(*p.a.shape), reach_of(p.a)};
+  core.convex.scale = kCoreScale, core.convex.center = p.center, core.convex.radius *= kCoreScale;
+  t = p.begin;
+  const Real near = p.skin * kArrived;
+  Advance result = advance(core, b, make(core), near, p.hit.time, t, last);
+  for (const Real scale : kBallScales) {
+    if (result == Advance::miss || (result == Advance::hit && t > p.begin)) break;
+    Sweep rigid = p.a;
+    rigid.turn = Vec3::Zero();
+    Mover ball{rigid, Convex(&p.center, 1), 0};
+    ball.convex.radius = p.skin / (1 - kCoreScale) * scale;
+    result = advance(ball, b, make(ball), ball.convex.radius * kArrived, p.hit.time, t, last);
+  }
+  return result == Advance::hit && t > p.begin && !last.normal.isZero(0);
+}
+
+template <class Make>
+void meet(Pair& p, const Mover& b, Make&& make) {
+  Real t = 0;
+  Apart at{};
+  if (!core_meets(p, b, make, t, at)) return;
+  // the shape itself, which is there earlier
+  const Mover whole{p.a, Convex(*p.a.shape), reach_of(p.a)};
+  Real stop = p.begin;
+  Apart near = make(whole)(stop);
+  if (near.distance > p.target && advance(whole, b, make(whole), p.target, t, stop, near) != Advance::miss) {
+    t = stop;
+    at = near;
+  }
+  p.hit = {t, at.normal, at.point};
+  p.found = true;
+}
+
+void meet_convex(Pair& p, const Convex& convex, Real reach) {
+  const Mover b{p.b, convex, reach};
+  meet(p, b, [&b](const Mover& a) { return ConvexApart{a, b}; });
+}
+
+void meet_mesh(Pair& p, const Aabb& within) {
+  // the world box in the frame of the mesh, at both ends of the step
+  Aabb local;
+  for (const Pose& pose : {p.b.at(0), p.b.at(1)})
+    for (int k = 0; k < 8; ++k)
+      local.include(to_local(pose, vec3(k & 1 ? within.hi[0] : within.lo[0], k & 2 ? within.hi[1] : within.lo[1],
+                                        k & 4 ? within.hi[2] : within.lo[2])));
+  struct Visit {
+    Pair& p;
+    Real reach;
+  } visit{p, reach_of(p.b)};
+  const auto each = [](void* context, std::uint32_t index) {
+    Visit& v = *static_cast<Visit*>(context);
+    const Triangle t = v.p.b.shape->triangle(index);
+    const Vec3 corners[3] = {t.a, t.b, t.c};
+    meet_convex(v.p, Convex(corners, 3), v.reach);
+  };
+  p.b.shape->triangles_in(local, each, &visit);
+}
+
+}  // namespace
+
+Impact time_of_impact(const Sweep& a, const Sweep& b, Real begin, Real end, Real target, const Aabb& within) {
+  FEDER_ASSERT(a.shape->convex() && begin >= 0 && begin <= end);
+  Pair p{a, b, begin, target, inner_point(*a.shape), least_half_width(*a.shape) * (1 - kCoreScale), {}};
+  p.hit.time = end;
+  Vec3 normal;
+  Real distance;
+  if (b.shape->convex())
+    meet_convex(p, Convex(*b.shape), reach_of(b));
+  else if (b.shape->half_space(normal, distance))
+    meet(p, Mover{b, Convex(nullptr, 0), 0}, [&b](const Mover& m) { return PlaneApart{m, b}; });
+  else
+    meet_mesh(p, within);
+  return p.found ? p.hit : Impact{};
+}
+
+}  // namespace feder

@@ -1,0 +1,121 @@
+// Continuous collision: a body that would pass through something in this step stops at its time of impact. It keeps its
+// velocity, so that the contact of the next step sees the blow; what is left of its way is lost. Between the last solve
+// of a step and its commit. Bodies that move by less than the depth of their core cannot pass anything and are not
+// looked at. Fixed bodies and kinematic ones at rest stop all, moving ones only bullets.
+// Source: time of impact as in narrow/impact.h; the way is searched in pieces, so that its cost is what lies near it.
+// Weak spot: of two moving bodies only a bullet stops, and is pushed along by the rest of the other's way; parts of a
+// body outside its core may rotate through a thin wall.
+#include <algorithm>
+
+#include "rigid/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kPieceExtents = 8;             // length of a piece, of the body's extent
+constexpr int kMostPieces = 64;               // longer pieces beyond
+constexpr std::size_t kMostObstacles = 2048;  // in a step, of one body
+
+Pose at_time(const OwnerMotion& m, Real t) {
+  return {m.from.position + t * m.shift, integrate_rotation(m.from.rotation, t * m.turn)};
+}
+
+}  // namespace
+
+OwnerMotion Rigid::Impl::motion_in_step(std::uint32_t i) const {
+  const std::uint32_t n = solver_bodies.at(bodies.solver_slot[i]);
+  if (n == 0) return {bodies.com_pose(i)};
+  const SolverBody& s = solver_bodies.state[n];
+  return {{solver_bodies.mass[n].center, solver_bodies.mass[n].start_rotation}, s.delta_position, s.delta_rotation};
+}
+
+// May the core of the body moving[p] have passed through something?
+bool Rigid::Impl::is_fast(std::uint32_t p) const {
+  const std::uint32_t i = moving[p];
+  if (bodies.type[i] != BodyType::dynamic) return false;
+  const SolverBody& s = solver_bodies.state[p + 1];
+  const Real turn = bodies.extent[i] * bodies.extent[i] * dot(s.delta_rotation, s.delta_rotation);
+  return 2 * (dot(s.delta_position, s.delta_position) + turn) > core_depth[i] * core_depth[i];
+}
+
+// Looks for what collider `k` of the body meets from `begin` to `end`; keeps the earliest.
+void Rigid::Impl::sweep_collider(std::uint32_t i, std::uint32_t k, const OwnerMotion& motion, Real begin, Real end,
+                                 Array<std::uint32_t>& found, FastStop& stop) {
+  const Pose from = at_time(motion, begin) * colliders.local[k], to = at_time(motion, end) * colliders.local[k];
+  Aabb box = colliders.shape[k]->bounds(from);
+  box.include(colliders.shape[k]->bounds(to));
+  const Real arc = std::min(length(motion.turn) * (end - begin), Real(2)) * bodies.extent[i];
+  box.grow(arc + kContactMargin);
+  collide.obstacles(k, box, bodies.bullet[i] != 0, found);
+  stop.obstacles += found.size();
+  if (stop.obstacles > kMostObstacles) {
+    stop.time = begin, stop.other = kNone;
+    return;
+  }
+  for (const std::uint32_t other : found) {
+    const std::uint32_t j = colliders.owner_index[other];
+    const OwnerImpact hit =
+        collide.impact(k, motion, other, motion_in_step(j), begin, std::min(end, stop.time), box);
+    if (!(hit.time < stop.time)) continue;
+    stop.time = hit.time, stop.other = j;
+    stop.normal = hit.normal, stop.point = hit.point;
+  }
+}
+
+void Rigid::Impl::find_stop(std::uint32_t p, Array<std::uint32_t>& found) {
+  FastStop& stop = stops[p];
+  stop = {};
+  if (bad[p] || !is_fast(p)) return;
+  const std::uint32_t i = moving[p];
+  const OwnerMotion motion = motion_in_step(i);
+  const Real way = length(motion.shift), piece = kPieceExtents * bodies.extent[i];
+  if (!is_finite(way + length(motion.turn))) return;
+  const int pieces = way > piece * kMostPieces ? kMostPieces : std::max(1, static_cast<int>(std::ceil(way / piece)));
+  for (int n = 0; n < pieces && stop.time > 1; ++n)
+    each_collider(i, [&](std::uint32_t k) {
+      if (!colliders.sensor[k] && stop.obstacles <= kMostObstacles)
+        sweep_collider(i, k, motion, Real(n) / Real(pieces), Real(n + 1) / Real(pieces), found, stop);
+    });
+}
+
+void Rigid::Impl::apply_stop(std::uint32_t p) {
+  const FastStop& stop = stops[p];
+  const std::uint32_t i = moving[p];
+  SolverBody& s = solver_bodies.state[p + 1];
+  if (stop.obstacles > kMostObstacles && !sweep_warned) {
+    sweep_warned = true;
+    events.warn("sweep_limit",
+                objects.describe(bodies.object[i]) + " passed more than " + std::to_string(kMostObstacles) +
+                    " parts of bodies in a step, " + std::to_string(static_cast<long long>(length(s.delta_position))) +
+                    " m: it stops early. Make it slower, dt shorter, or use fewer and larger parts",
+                bodies.object[i]);
+  }
+  const OwnerMotion motion = motion_in_step(i);
+  const Pose pose = at_time(motion, stop.time);
+  s.delta_position = stop.time * motion.shift;
+  s.delta_rotation = stop.time * motion.turn;
+  s.rotation = pose.rotation;
+  if (stop.other == kNone) return;
+  // what pushes on takes it along
+  const OwnerMotion& other = stop.other_motion;
+  const Vec3 rest = (1 - stop.time) * (other.shift + cross(other.turn, stop.point - at_time(other, stop.time).position));
+  const Real along = dot(rest, stop.normal);
+  if (along < 0) s.delta_position += along * stop.normal;
+}
+
+void Rigid::Impl::stop_fast(StepContext& c) {
+  const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
+  stops.resize(count);
+  while (stop_scratch.size() < static_cast<std::size_t>(c.jobs->threads())) stop_scratch.emplace_back(&arena);
+  constexpr JobGrain kGrain{64, 20'000};  // bodies; most are not fast
+  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int worker) {
+    for (std::uint32_t p = first; p < last; ++p) find_stop(p, stop_scratch[static_cast<std::size_t>(worker)]);
+  });
+  // all motions are still whole
+  for (std::uint32_t p = 0; p < count; ++p)
+    if (stops[p].time <= 1 && stops[p].other != kNone) stops[p].other_motion = motion_in_step(stops[p].other);
+  for (std::uint32_t p = 0; p < count; ++p)
+    if (stops[p].time <= 1) apply_stop(p);
+}
+
+}  // namespace feder
