@@ -7,12 +7,11 @@ namespace {
 
 // Axes and diagonals of a cube: each stands for its opposite too.
 constexpr int kDirections = 13;
-constexpr int kDirection[kDirections][3] = {{1, 0, 0}, {0, 1, 0},  {0, 0, 1}, {1, 1, 1},  {1, 1, -1}, {1, -1, 1}, {-1, 1, 1},
-                                            {1, 1, 0}, {1, -1, 0}, {1, 0, 1}, {1, 0, -1}, {0, 1, 1},  {0, 1, -1}};
+constexpr int kDirection[kDirections][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1}, {1, 1, 1},  {1, 1, -1},
+                                            {1, -1, 1}, {-1, 1, 1}, {1, 1, 0}, {1, -1, 0}, {1, 0, 1},
+                                            {1, 0, -1}, {0, 1, 1},  {0, 1, -1}};
 
-Vec3 direction(int k) {
-  return Vec3(Real(kDirection[k][0]), Real(kDirection[k][1]), Real(kDirection[k][2]));
-}
+Vec3 direction(int k) { return Vec3(Real(kDirection[k][0]), Real(kDirection[k][1]), Real(kDirection[k][2])); }
 
 Real width_along(const Shape& shape, const Vec3& n) {
   return dot(n, shape.support(n)) - dot(n, shape.support(-n)) + 2 * shape.radius();

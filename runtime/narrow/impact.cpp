@@ -16,7 +16,8 @@ namespace feder {
 namespace {
 
 constexpr int kMaxAdvances = 48;
-constexpr Real kArrived = Real(1) / 64;  // of the core's distance from the surface of the shape: as near as this is a hit
+constexpr Real kArrived =
+    Real(1) / 64;  // of the core's distance from the surface of the shape: as near as this is a hit
 
 constexpr Real kBallScales[] = {Real(0.4), Real(0.02)};  // of the least half width: balls that are looked at instead
 
@@ -29,9 +30,7 @@ struct Mover {
   Real reach;  // of the shape from its owner's centre of mass, m
 };
 
-Real reach_of(const Sweep& s) {
-  return s.turn.isZero(0) ? Real(0) : s.shape->extent(to_local(s.local, Vec3::Zero()));
-}
+Real reach_of(const Sweep& s) { return s.turn.isZero(0) ? Real(0) : s.shape->extent(to_local(s.local, Vec3::Zero())); }
 
 // Distance of a convex `a` from b at one time, and the normal from a to b: what advances differ in.
 struct Apart {

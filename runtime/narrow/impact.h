@@ -4,7 +4,8 @@
 
 namespace feder {
 
-// A shape on an owner that moves by `shift` and turns by the rotation vector `turn` (rad, at a constant rate) in a step.
+// A shape on an owner that moves by `shift` and turns by the rotation vector `turn` (rad, at a constant rate) in a
+// step.
 struct Sweep {
   const Shape* shape = nullptr;
   Pose local;  // in the owner's centre-of-mass frame
@@ -23,9 +24,9 @@ struct Sweep {
 inline constexpr Real kCoreScale = Real(0.75);
 
 struct Impact {
-  Real time = 2;                // fraction of the step; above 1: none
-  Vec3 normal = Vec3::Zero();   // unit, world, from a to b
-  Vec3 point = Vec3::Zero();    // on b, world
+  Real time = 2;               // fraction of the step; above 1: none
+  Vec3 normal = Vec3::Zero();  // unit, world, from a to b
+  Vec3 point = Vec3::Zero();   // on b, world
 };
 
 // When convex `a`, on its way from `begin` to `end`, has to stop lest its core goes through b: where the shapes

@@ -54,8 +54,7 @@ void Rigid::Impl::sweep_collider(std::uint32_t i, std::uint32_t k, const OwnerMo
   }
   for (const std::uint32_t other : found) {
     const std::uint32_t j = colliders.owner_index[other];
-    const OwnerImpact hit =
-        collide.impact(k, motion, other, motion_in_step(j), begin, std::min(end, stop.time), box);
+    const OwnerImpact hit = collide.impact(k, motion, other, motion_in_step(j), begin, std::min(end, stop.time), box);
     if (!(hit.time < stop.time)) continue;
     stop.time = hit.time, stop.other = j;
     stop.normal = hit.normal, stop.point = hit.point;
@@ -98,7 +97,8 @@ void Rigid::Impl::apply_stop(std::uint32_t p) {
   if (stop.other == kNone) return;
   // what pushes on takes it along
   const OwnerMotion& other = stop.other_motion;
-  const Vec3 rest = (1 - stop.time) * (other.shift + cross(other.turn, stop.point - at_time(other, stop.time).position));
+  const Vec3 rest =
+      (1 - stop.time) * (other.shift + cross(other.turn, stop.point - at_time(other, stop.time).position));
   const Real along = dot(rest, stop.normal);
   if (along < 0) s.delta_position += along * stop.normal;
 }
