@@ -56,7 +56,8 @@ enum EntryBits : std::uint16_t {
   kArrived = 128,  // kNear became true in this step
   kMany = 256,     // the pair has kMaxManifolds entries
   kSensorIsB = 512,
-  kResting = 1024,  // of both sides neither moves: in Contacts::resting, not in `entries`
+  kAgainstScenery = 2048,  // one side is dynamic, the other is not
+  kResting = 1024,         // of both sides neither moves: in Contacts::resting, not in `entries`
 };
 
 // The last real narrow test of a contact, for recycling. No padding: written to snapshots as bytes.
@@ -90,6 +91,11 @@ enum SeenBits : std::uint32_t {
   kSettled = 4,         // fell asleep since the last step
   kConveyor = 8,        // has a surface velocity; kept over steps
   kAwake = 16,          // kept over steps
+};
+
+// A contact of a moving collider with scenery, and which of its points are ghosts.
+struct SeamEntry {
+  std::uint32_t body, entry, ghosts;
 };
 
 struct Exclusion {
@@ -155,6 +161,11 @@ struct Collide::Impl {
   void list_arrivals();
   void list_active(StepContext& c);
 
+  // seams.cpp
+  std::uint32_t ghosts_of(const ContactEntry& e, std::span<const SeamEntry> group) const;
+  void leave_out(ContactEntry& e, std::uint32_t ghosts, Real dt);
+  void leave_out_ghosts(StepContext& c);
+
   // contact_states.cpp
   ContactKey key(const ContactEntry& e, bool& flipped) const;
   std::uint32_t net_point(const ContactEntry& e) const;
@@ -201,6 +212,7 @@ struct Collide::Impl {
   Array<ContactEntry> entries{&arena}, next_entries{&arena};  // sorted by (a, b, sub)
   Array<ContactEntry> returning{&arena};                      // from rest
   Array<ContactMemory> memory{&arena};                        // by slot
+  Array<SeamEntry> seam_entries{&arena};                      // sorted by body
   Array<std::uint32_t> watched{&arena};                       // indices in `entries`
   Array<Exclusion> exclusions{&arena};                        // sorted
   bool scenery_changed = false;                               // something at rest counts as moving in this step

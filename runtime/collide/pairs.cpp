@@ -160,7 +160,9 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
     FEDER_ASSERT(contact.collider_a == kNone && contact.point_count == 0);  // free until now
     contact.collider_a = a, contact.collider_b = b, contact.sub = sub, contact.sensor = sensor;
     memory[slot] = fresh;
-    const int bits = kNew | (many ? kMany : 0) | (sensor ? kSensorPair : 0) | (c.sensor[b] ? kSensorIsB : 0);
+    const bool scenery = (c.motion[a] == ColliderMotion::dynamic) != (c.motion[b] == ColliderMotion::dynamic);
+    const int bits = kNew | (scenery && !sensor ? kAgainstScenery : 0) | (many ? kMany : 0) |
+                     (sensor ? kSensorPair : 0) | (c.sensor[b] ? kSensorIsB : 0);
     next_entries.push_back({a, b, slot, static_cast<std::uint16_t>(sub), static_cast<std::uint16_t>(bits)});
   }
 }

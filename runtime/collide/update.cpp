@@ -84,6 +84,7 @@ void Collide::Impl::collide(StepContext& c) {
     for (std::uint32_t i = first; i < last; ++i)
       if (entries[i].sub == 0) test_pair(i, c.dt);
   });
+  leave_out_ghosts(c);
   list_arrivals();
 }
 

@@ -1,11 +1,10 @@
-// What the joints of a step look like together: which bodies they join, which are solved as trees, which eight at a time
-// and which by rows. Found anew only when the joints or what they join changes.
-#include "rigid/soft_joints.h"
-
+// What the joints of a step look like together: which bodies they join, which are solved as trees, which eight at a
+// time and which by rows. Found anew only when the joints or what they join changes.
 #include <algorithm>
 
 #include "constrain/joint.h"
 #include "feder/error.h"
+#include "rigid/soft_joints.h"
 #include "state/solver_bodies.h"
 
 namespace feder {
