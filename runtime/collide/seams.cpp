@@ -16,6 +16,7 @@ namespace {
 
 constexpr Real kFlush = Real(1) / 20;       // of the margin: steps and sinking that count as flush
 constexpr Real kOff = Real(1) / 2;          // of the margin: how far off the point the surface is looked at
+constexpr Real kDeep = Real(1) / 8;         // of the margin: what overlaps by more is no grazing of a seam
 constexpr Real kParallel = 1 - Real(5e-6);  // cosine: normals that are the same
 constexpr Real kFaceCosine = 1 - Real(1e-6);
 
@@ -78,6 +79,7 @@ std::uint32_t Collide::Impl::ghosts_of(const ContactEntry& e, std::span<const Se
     if (other == b || dot(its, normal) > kParallel || !move_together(c, b, other)) continue;
     for (int k = 0; k < contact.point_count; ++k) {
       const ContactPoint& p = contact.points[k];
+      if (p.separation < -kDeep * memory[e.slot].margin) continue;
       const Vec3 at = c.center[e.a] + p.arm_a - normal * (p.separation / 2);
       if (is_ghost(c, b, other, {at, normal, memory[e.slot].margin})) ghosts |= 1u << k;
     }
@@ -107,8 +109,9 @@ void Collide::Impl::leave_out_ghosts(StepContext& c) {
   for (std::uint32_t i = 0; i < entries.size(); ++i)
     if ((entries[i].bits & kWanted) == kWanted) seam_entries.push_back({mover_of(*colliders, entries[i]), i, 0});
   if (seam_entries.size() < 2) return;
-  std::sort(seam_entries.begin(), seam_entries.end(),
-            [](const SeamEntry& x, const SeamEntry& y) { return std::tie(x.body, x.entry) < std::tie(y.body, y.entry); });
+  std::sort(seam_entries.begin(), seam_entries.end(), [](const SeamEntry& x, const SeamEntry& y) {
+    return std::tie(x.body, x.entry) < std::tie(y.body, y.entry);
+  });
   const std::uint32_t count = static_cast<std::uint32_t>(seam_entries.size());
   const auto group_of = [&](std::uint32_t i) {
     std::uint32_t first = i, last = i + 1;

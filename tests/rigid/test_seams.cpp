@@ -19,7 +19,8 @@ void add_floor(ClosedScene& s, int kind, Real step, Real away) {
   d.friction_static = d.friction_dynamic = 1;
   const ShapePtr tile = make_box(1, 1, 4);
   if (kind == kBoxes) {
-    for (int i = 0; i < kTiles; ++i) d.shape = tile, d.position = tile_at(i, step) + Vec3(away, 0, 0), s.rigid().add_body(d);
+    for (int i = 0; i < kTiles; ++i)
+      d.shape = tile, d.position = tile_at(i, step) + Vec3(away, 0, 0), s.rigid().add_body(d);
     return;
   }
   d.position = Vec3(away, 0, 0);
@@ -50,8 +51,8 @@ BodyDesc runner_of(int kind, Real speed) {
   if (kind == kBox) d.shape = make_box(2 * r, 2 * r, 2 * r);
   if (kind == kHull) {
     std::vector<Vec3> points;
-    for (const Vec3& p : {Vec3(1, 0, 0), Vec3(Real(0.5), 0, Real(0.87)), Vec3(Real(-0.5), 0, Real(0.87)), Vec3(-1, 0, 0),
-                          Vec3(Real(-0.5), 0, Real(-0.87)), Vec3(Real(0.5), 0, Real(-0.87))})
+    for (const Vec3& p : {Vec3(1, 0, 0), Vec3(Real(0.5), 0, Real(0.87)), Vec3(Real(-0.5), 0, Real(0.87)),
+                          Vec3(-1, 0, 0), Vec3(Real(-0.5), 0, Real(-0.87)), Vec3(Real(0.5), 0, Real(-0.87))})
       points.push_back(r * p - Vec3(0, r, 0)), points.push_back(Real(1.2) * r * p + Vec3(0, r, 0));
     d.shape = make_hull(points);
   }
