@@ -29,6 +29,7 @@ class SoftJoints {
   void solve(const SolverInput& in, StepContext& c);
   void relax(const SolverInput& in, StepContext& c);
   void finish(const SolverInput& in, StepContext& c) { wide_.store(in, c); }  // once per step: impulses stored
+  bool is_clear() const { return keys_.empty() && blocks_.empty(); }
   void clear();
 
   std::span<const std::uint32_t> bodies() const { return {bodies_.data(), bodies_.size()}; }  // on joints, ascending

@@ -311,10 +311,10 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   batch_count_ = overflow_count_ = 0;
   strikes_ = nullptr;
   gravity_ = c.gravity;
-  if (in.active_joints.empty())
-    joints_.clear();
-  else
+  if (!in.active_joints.empty())
     joints_.prepare(in, c, !in.contacts->active.empty());
+  else if (!joints_.is_clear())
+    joints_.clear();
   if (in.contacts->active.empty()) return;
   // masses in the order of the kernels
   masses_ = c.scratch->take<WideMass>(body_count);
