@@ -2,7 +2,7 @@
 -- it, and each joint that breaks is a point.
 local feder = require "feder"
 
-local strength = feder.param("strength", 2500, { min = 50, max = 20000, help = "of a joint of mortar, N" })
+local strength = feder.param("strength", 6000, { min = 50, max = 20000, help = "of a joint of mortar, N" })
 local speed = feder.param("speed", 14, { min = 0, max = 40, help = "of the ball, m/s" })
 
 local columns, rows = 8, 7

@@ -32,7 +32,7 @@ TEST_CASE("the count of crossings finds them", "[cloth]") {
   CHECK(count_crossings(s) == 0);
 }
 
-TEST_CASE("a sheet folded on itself, pressed and let fall for 10 s never crosses itself", "[cloth]") {
+TEST_CASE("a sheet folded on itself, pressed and let fall for 10 s never crosses itself", "[cloth][late]") {
   WorldDesc wd;
   wd.sleeping = false;
   World w(wd, kClothOnly);
@@ -83,7 +83,7 @@ TEST_CASE("vertices on one spot, or triangles without area, give no number that 
   CHECK(w.is_finite());
 }
 
-TEST_CASE("shreds that are caught in each other give up their stretch and their motion", "[cloth]") {
+TEST_CASE("shreds that are caught in each other give up their stretch and their motion", "[cloth][late]") {
   const Real speed = GENERATE(Real(10), Real(30));
   WorldDesc wd;
   wd.options.set("air_density", 0.0);  // where these shreds get free; others stay jammed, see tests/README.md, Cloth

@@ -52,7 +52,7 @@ TEST_CASE("a default sheet of 3 m hung at two corners stretches 1 % in the media
 TEST_CASE("the same of 100 cells", "[cloth][strain][.slow]") { hang(100, "xpbd", 2); }
 
 TEST_CASE("a pinned corner that a script sets anywhere gives its sheet no more energy than the material holds",
-          "[cloth][strain]") {
+          "[cloth][strain][late]") {
   std::mt19937 random(7);
   const auto range = [&](double a, double b) {
     return Real(a + (b - a) * (static_cast<double>(random()) / 4294967296.0));
