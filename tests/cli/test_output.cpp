@@ -75,9 +75,10 @@ TEST_CASE("a study that was interrupted goes on to the same end", "[cli][output]
 TEST_CASE("an interrupted map has its cells, and an interrupted bench its runs", "[cli][output]") {
   const Program p;
   p.write("ball.lua", scene(kBall));
+  // --foreground: without it timeout sends the signal twice, and the second ends what the first had already reached
   const auto interrupted = [&](const std::string& arguments, const std::string& seconds) {
-    return p.shell("{ timeout --preserve-status -s INT " + seconds + " '" FEDER_BINARY_DIR "/feder' " + arguments +
-                   "; }");
+    return p.shell("{ timeout --foreground --preserve-status -s INT " + seconds + " '" FEDER_BINARY_DIR "/feder' " +
+                   arguments + "; }");
   };
   const Outcome map = interrupted("stability hanging_sheet --json", "1");
   CAPTURE(map.err);

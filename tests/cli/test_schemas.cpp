@@ -194,7 +194,7 @@ std::string with_program(std::string command) {
     command.replace(at, 2, program);
   if (command.back() != '#') command += " --json";
   if (!interrupted) return command;
-  return "for t in 1 2 4 8 16; do timeout -s INT $t " + command +
+  return "for t in 1 2 4 8 16; do timeout --foreground -s INT $t " + command +
          " > o.json; test $(wc -c < o.json) -gt 60 && break; done; cat o.json";
 }
 
