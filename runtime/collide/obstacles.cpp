@@ -29,7 +29,7 @@ void Collide::obstacles(std::uint32_t collider, const Aabb& box, bool moving, Ar
 }
 
 OwnerImpact Collide::impact(std::uint32_t a, const OwnerMotion& motion_a, std::uint32_t b, const OwnerMotion& motion_b,
-                            Real begin, Real end, const Aabb& within) const {
+                            Real begin, Real end) const {
   const Impl& s = *impl_;
   const Colliders& c = *s.colliders;
   if (!c.shape[a]->convex()) return {};
@@ -37,7 +37,7 @@ OwnerImpact Collide::impact(std::uint32_t a, const OwnerMotion& motion_a, std::u
   const Real margin = std::min(kSpeculative, kSpeculativeShare * extent);
   const Sweep sweep_a{c.shape[a], c.local[a], motion_a.from, motion_a.shift, motion_a.turn};
   const Sweep sweep_b{c.shape[b], c.local[b], motion_b.from, motion_b.shift, motion_b.turn};
-  const Impact hit = time_of_impact(sweep_a, sweep_b, begin, end, kStopShort * margin, within);
+  const Impact hit = time_of_impact(sweep_a, sweep_b, begin, end, kStopShort * margin);
   return {hit.time, hit.normal, hit.point};
 }
 

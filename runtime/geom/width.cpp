@@ -5,10 +5,10 @@
 namespace feder {
 namespace {
 
-// Axes and diagonals of a cube: each stands for its opposite too.
-constexpr int kDirections = 13;
-constexpr int kDirection[kDirections][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1}, {1, 1, 1},  {1, 1, -1},
-                                            {1, -1, 1}, {-1, 1, 1}, {1, 1, 0}, {1, -1, 0}, {1, 0, 1},
+// Diagonals and axes of a cube: each stands for its opposite too.
+constexpr int kDirections = 13, kDiagonals = 4;
+constexpr int kDirection[kDirections][3] = {{1, 1, 1},  {1, 1, -1}, {1, -1, 1}, {-1, 1, 1}, {1, 0, 0},
+                                            {0, 1, 0},  {0, 0, 1},  {1, 1, 0},  {1, -1, 0}, {1, 0, 1},
                                             {1, 0, -1}, {0, 1, 1},  {0, 1, -1}};
 
 Vec3 direction(int k) { return Vec3(Real(kDirection[k][0]), Real(kDirection[k][1]), Real(kDirection[k][2])); }
@@ -44,13 +44,8 @@ Real least_half_width(const Shape& shape) {
 
 Vec3 inner_point(const Shape& shape) {
   Vec3 sum = Vec3::Zero();
-  int count = 0;
-  for (int k = 0; k < 7; ++k) {
-    const Vec3 d = direction(k);
-    sum += shape.support(d) + shape.support(-d);
-    count += 2;
-  }
-  return sum / Real(count);
+  for (int k = 0; k < kDiagonals; ++k) sum += shape.support(direction(k)) + shape.support(-direction(k));
+  return sum / Real(2 * kDiagonals);
 }
 
 }  // namespace feder

@@ -9,7 +9,8 @@ namespace feder {
 // large. 2D sections: in their plane. 0 for other shapes.
 Real least_half_width(const Shape& shape);
 
-// A point well inside a convex shape: the mean of what is farthest along 14 directions.
+// A point well inside a convex shape: the mean of what is farthest along the 8 diagonals of a cube: the
+// centre of a box.
 Vec3 inner_point(const Shape& shape);
 
 }  // namespace feder

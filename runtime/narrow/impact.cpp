@@ -89,26 +89,36 @@ struct Pair {
   const Sweep& a;
   const Sweep& b;
   Real begin, target;
-  Vec3 center;  // of the core
-  Real skin;    // how far the core is inside the shape
-  Impact hit;   // earliest so far; time = end of the search
+  Impact hit;            // earliest so far; time = end of the search
+  Vec3 center;           // of the core
+  Real half_width = -1;  // of the shape; negative: not asked for yet
   bool found = false;
+
+  // how far the core is inside the shape
+  Real skin() {
+    if (half_width < 0) half_width = least_half_width(*a.shape);
+    return half_width * (1 - kCoreScale);
+  }
+  Mover core() const {
+    Mover m{a, Convex(*a.shape), reach_of(a)};
+    m.convex.scale = kCoreScale, m.convex.center = center, m.convex.radius *= kCoreScale;
+    return m;
+  }
 };
 
 // When the core meets b, given how far apart they are. Of what overlaps at the start, a ball inside the core.
 template <class Make>
-bool core_meets(const Pair& p, const Mover& b, Make&& make, Real& t, Apart& last) {
-  Mover core{p.a, Convex(*p.a.shape), reach_of(p.a)};
-  core.convex.scale = kCoreScale, core.convex.center = p.center, core.convex.radius *= kCoreScale;
+bool core_meets(Pair& p, const Mover& b, Make&& make, Real& t, Apart& last) {
+  const Mover core = p.core();
   t = p.begin;
-  const Real near = p.skin * kArrived;
+  const Real near = p.skin() * kArrived;
   Advance result = advance(core, b, make(core), near, p.hit.time, t, last);
   for (const Real scale : kBallScales) {
     if (result == Advance::miss || (result == Advance::hit && t > p.begin)) break;
     Sweep rigid = p.a;
     rigid.turn = Vec3::Zero();
     Mover ball{rigid, Convex(&p.center, 1), 0};
-    ball.convex.radius = p.skin / (1 - kCoreScale) * scale;
+    ball.convex.radius = p.half_width * scale;
     result = advance(ball, b, make(ball), ball.convex.radius * kArrived, p.hit.time, t, last);
   }
   return result == Advance::hit && t > p.begin && !last.normal.isZero(0);
@@ -136,32 +146,70 @@ void meet_convex(Pair& p, const Convex& convex, Real reach) {
   meet(p, b, [&b](const Mover& a) { return ConvexApart{a, b}; });
 }
 
-void meet_mesh(Pair& p, const Aabb& within) {
-  // the world box in the frame of the mesh, at both ends of the step
-  Aabb local;
-  for (const Pose& pose : {p.b.at(0), p.b.at(1)})
-    for (int k = 0; k < 8; ++k)
-      local.include(to_local(pose, vec3(k & 1 ? within.hi[0] : within.lo[0], k & 2 ? within.hi[1] : within.lo[1],
-                                        k & 4 ? within.hi[2] : within.lo[2])));
+// The way of a's core in the frame of a mesh b.
+struct CoreWay {
+  Mover core;
+  Pose begin, end;
+  Vec3 center;     // at the beginning
+  Real bulge = 0;  // how far a point may leave the straight line between its ends
+  Aabb box;
+};
+
+CoreWay way_of_core(const Pair& p) {
+  const Real end = p.hit.time, time = end - p.begin;
+  const auto pose_at = [&p](Real t) {
+    const Pose at = p.a.at(t), frame = p.b.at(t);
+    return Pose{to_local(frame, at.position), conjugate(frame.rotation) * at.rotation};
+  };
+  CoreWay w{p.core(), pose_at(p.begin), pose_at(end), {}, 0, {}};
+  w.center = to_world(w.begin, p.center);
+  // at constant rates of motion and turning |x(t) - chord| <= |x''| time^2 / 8; a mesh that turns: no more than the way
+  const Real angle = length(p.a.turn) * time, turn = length(p.b.turn) * time;
+  const Real way = length(p.a.shift - p.b.shift) * time;
+  w.bulge = w.core.reach * angle * angle / 8;
+  if (turn > 0) w.bulge = way + w.core.reach * angle + turn * (length(w.center) + w.core.reach + way);
+  for (const Pose& pose : {w.begin, w.end}) {
+    const Aabb whole = p.a.shape->bounds(pose);
+    const Vec3 c = to_world(pose, p.center);
+    w.box.include(c + kCoreScale * (whole.lo - c));
+    w.box.include(c + kCoreScale * (whole.hi - c));
+  }
+  w.box.grow(w.bulge);
+  return w;
+}
+
+// Does the core stay on its side of the triangle's plane?
+bool stays_off(const CoreWay& w, const Triangle& t) {
+  Vec3 n = normalized_or(cross(t.b - t.a, t.c - t.a), Vec3::Zero());
+  if (dot(n, w.center - t.a) < 0) n = -n;
+  for (const Pose& pose : {w.begin, w.end}) {
+    const Vec3 low = to_world(pose, w.core.convex.support(rotate_inverse(pose.rotation, -n)));
+    if (!(dot(n, low - t.a) > w.core.convex.radius + w.bulge)) return false;
+  }
+  return true;
+}
+
+void meet_mesh(Pair& p) {
   struct Visit {
     Pair& p;
+    CoreWay way;
     Real reach;
-  } visit{p, reach_of(p.b)};
+  } visit{p, way_of_core(p), reach_of(p.b)};
   const auto each = [](void* context, std::uint32_t index) {
     Visit& v = *static_cast<Visit*>(context);
     const Triangle t = v.p.b.shape->triangle(index);
+    if (stays_off(v.way, t)) return;
     const Vec3 corners[3] = {t.a, t.b, t.c};
     meet_convex(v.p, Convex(corners, 3), v.reach);
   };
-  p.b.shape->triangles_in(local, each, &visit);
+  p.b.shape->triangles_in(visit.way.box, each, &visit);
 }
 
 }  // namespace
 
-Impact time_of_impact(const Sweep& a, const Sweep& b, Real begin, Real end, Real target, const Aabb& within) {
+Impact time_of_impact(const Sweep& a, const Sweep& b, Real begin, Real end, Real target) {
   FEDER_ASSERT(a.shape->convex() && begin >= 0 && begin <= end);
-  Pair p{a, b, begin, target, inner_point(*a.shape), least_half_width(*a.shape) * (1 - kCoreScale), {}};
-  p.hit.time = end;
+  Pair p{.a = a, .b = b, .begin = begin, .target = target, .hit = {.time = end}, .center = inner_point(*a.shape)};
   Vec3 normal;
   Real distance;
   if (b.shape->convex())
@@ -169,7 +217,7 @@ Impact time_of_impact(const Sweep& a, const Sweep& b, Real begin, Real end, Real
   else if (b.shape->half_space(normal, distance))
     meet(p, Mover{b, Convex(nullptr, 0), 0}, [&b](const Mover& m) { return PlaneApart{m, b}; });
   else
-    meet_mesh(p, within);
+    meet_mesh(p);
   return p.found ? p.hit : Impact{};
 }
 

@@ -1,6 +1,7 @@
 // Time of impact of two moving shapes.
 #pragma once
 #include "feder/shape.h"
+#include "feder/system.h"
 
 namespace feder {
 
@@ -21,7 +22,7 @@ struct Sweep {
 
 // The core of a convex shape is the shape at this scale about a point well inside: what meets another shape's surface
 // is about to pass through it; what a body in contact brushes along never comes so near.
-inline constexpr Real kCoreScale = Real(0.75);
+inline constexpr Real kCoreScale = 1 - kCoreDepth;
 
 struct Impact {
   Real time = 2;               // fraction of the step; above 1: none
@@ -31,7 +32,7 @@ struct Impact {
 
 // When convex `a`, on its way from `begin` to `end`, has to stop lest its core goes through b: where the shapes
 // themselves are `target` apart, or, when they begin nearer than that, where the core meets b. b: any shape but a
-// compound. Meshes: only the triangles in `within`, a world box.
-Impact time_of_impact(const Sweep& a, const Sweep& b, Real begin, Real end, Real target, const Aabb& within);
+// compound.
+Impact time_of_impact(const Sweep& a, const Sweep& b, Real begin, Real end, Real target);
 
 }  // namespace feder

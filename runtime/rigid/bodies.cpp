@@ -171,7 +171,7 @@ void Rigid::Impl::load_mass(std::uint32_t i, const BodySolid& solid) {
   const double radius = cube_root(static_cast<double>(solid.volume) * 3 / (4 * static_cast<double>(kPi)));
   area[i] = kPi * static_cast<Real>(radius * radius);
   pace[i] = 0;
-  sleep_candidate[i] = asymmetric[i] = 0;
+  level[i] = level_calm[i] = sleep_candidate[i] = asymmetric[i] = 0;
   kept_momentum[i] = kept_angular_velocity[i] = Vec3::Zero();
   next_in_island[i] = kNone;
   set_mass(i);

@@ -54,7 +54,7 @@ void Rigid::Impl::sweep_collider(std::uint32_t i, std::uint32_t k, const OwnerMo
   }
   for (const std::uint32_t other : found) {
     const std::uint32_t j = colliders.owner_index[other];
-    const OwnerImpact hit = collide.impact(k, motion, other, motion_in_step(j), begin, std::min(end, stop.time), box);
+    const OwnerImpact hit = collide.impact(k, motion, other, motion_in_step(j), begin, std::min(end, stop.time));
     if (!(hit.time < stop.time)) continue;
     stop.time = hit.time, stop.other = j;
     stop.normal = hit.normal, stop.point = hit.point;

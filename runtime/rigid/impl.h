@@ -54,6 +54,25 @@ struct FastStop {
   OwnerMotion other_motion;
 };
 
+// What a contact carries: its thinner body, and how far that sinks.
+struct ContactLoad {
+  std::uint32_t body = kNone;
+  Real thickness = kInfinity, depth = 0;  // m
+  Real sinks = 0, by_weight = 0;          // of the thickness, in the long run: by its load, by weights alone
+  Real ratio = 0, force = 0;              // of the masses; N
+  Real pull = 0;                          // the weights on it over its mass, m/s^2
+};
+
+// What the contacts of an island carry. Needs are squares of the pieces of a substep.
+struct IslandLoad {
+  Real by_weight = 0, by_impulse = 0;
+  std::uint64_t contacts = 0;
+  int wanted = 0;           // level
+  std::uint8_t before = 0;  // level in the last step
+  std::uint8_t calm = 255;  // steps since when a lower one would do
+  bool apart = false;       // has joints or net points
+};
+
 struct Rigid::Impl {
   explicit Impl(SystemSetup& setup);
 
@@ -129,6 +148,20 @@ struct Rigid::Impl {
   void update_sleep(StepContext& c);
   void measure_motion(StepContext& c);
   void check_far(StepContext& c);
+  struct Pile {
+    std::uint32_t upper, lower;
+    Real gravity;  // along the contact, m/s^2
+    std::uint32_t slot = kNone;
+  };
+  Pile pile_of(const Contact& contact, const Vec3& gravity) const;
+  Real weight_of(const Pile& pile) const;
+  ContactLoad load_of(const Contact& contact, Real rate, const StepContext& c) const;
+  std::span<Pile> list_piles(IslandLoad* by_root, StepContext& c);
+  const Real* carried_weights(std::span<const Pile> piles, StepContext& c);
+  const Real* crowds(std::span<const Pile> piles, StepContext& c);
+  void choose_levels(StepContext& c);
+  void share_out(IslandLoad* by_root, StepContext& c);
+  void check_loads(StepContext& c);
   void join_islands();
   void sleep_islands();
 
@@ -210,6 +243,8 @@ struct Rigid::Impl {
   Array<Quat> principal{&arena};              // principal axes of inertia in the body frame
   Array<Vec3> inv_moments{&arena};            // about them, 1/(kg m^2)
   Array<Real> spin_invariant{&arena};         // of a free rotation, see SpinBatch, J
+  Array<std::uint8_t> level{&arena};          // its substeps are done in 2^level pieces
+  Array<std::uint8_t> level_calm{&arena};     // steps since when a lower level would do
   Array<std::uint8_t> sleep_candidate{&arena};  // slow enough to sleep (two thresholds)
   Array<std::uint32_t> next_in_island{&arena};  // ring of a sleeping island
   UnionFind islands{arena};                     // of the bodies that are awake
@@ -228,7 +263,7 @@ struct Rigid::Impl {
   template <class S, class F>
   static void each_saved_array(S& s, F&& f) {
     for_each_of(f, s.volume, s.core_depth, s.area, s.asymmetric, s.kept_momentum, s.kept_angular_velocity, s.principal,
-                s.inv_moments, s.spin_invariant, s.sleep_candidate, s.next_in_island);
+                s.inv_moments, s.spin_invariant, s.level, s.level_calm, s.sleep_candidate, s.next_in_island);
   }
   template <class S, class F>
   static void each_saved(S& s, F&& f);  // rigid.cpp
@@ -256,6 +291,7 @@ struct Rigid::Impl {
   std::vector<Array<std::uint32_t>> stop_scratch;             // by worker
   Array<ObjectId> moved{&arena};                              // awake in the last step
   Array<std::uint32_t> touching{&arena};                      // slots of contacts; wake_touching
+  Array<std::uint8_t> levels{&arena};                         // by solver index; empty: all 0
   Array<Vec3> applied_force{&arena}, applied_torque{&arena};  // by p, N and N m
   Array<Vec3> angular_momentum{&arena};                       // by p, of asymmetric bodies, N m s
   Array<SpinBatch> spin_batches{&arena};                      // of those that are on no joint
@@ -267,9 +303,12 @@ struct Rigid::Impl {
   Array<std::uint32_t> point_rank{&arena};
   std::uint32_t body_count = 0, sleeping_count = 0;
   std::uint64_t force_count = 0;  // generators when the passes were added
-  bool sweep_warned = false;      // warned of kMostObstacles
-  bool cap_warned = false;        // warned of the iteration limit
-  bool poses_stale = false;       // collider poses are of the start of the last step
+  const Real* carried = nullptr;  // by body: the weight on it, N; null: not asked for in this step
+  ContactLoad gives_way;          // what check_loads found last
+  bool load_warned = false;
+  bool sweep_warned = false;  // warned of kMostObstacles
+  bool cap_warned = false;    // warned of the iteration limit
+  bool poses_stale = false;   // collider poses are of the start of the last step
   bool any_candidate = false;
   bool any_jump = false;    // the watchdog has to look at this step
   std::uint64_t now = 0;    // next step

@@ -179,12 +179,14 @@ SolverInput Rigid::Impl::input() {
           {joints.data(), joint_count == 0 ? 0 : joints.size()},
           {active_joints.data(), joint_count == 0 ? 0 : active_joints.size()},
           {breakable_joints.data(), joint_count == 0 ? 0 : breakable_joints.size()},
-          {jointed.data(), jointed.size()}};
+          {jointed.data(), jointed.size()},
+          {levels.data(), levels.size()}};
 }
 
 void Rigid::Impl::prepare(StepContext& c) {
   if constexpr (kAsserts) check_gathered();
   list_spins(c);
+  choose_levels(c);
   solver->prepare(input(), c);
 }
 
@@ -192,6 +194,7 @@ void Rigid::Impl::solve(StepContext& c) { solver->solve(input(), c); }
 
 void Rigid::Impl::finish_solve(StepContext& c) {
   solver->finish(input(), c);
+  check_loads(c);
   const std::uint64_t capped = solver->capped();
   if (capped == 0 || cap_warned) return;
   cap_warned = true;  // once; the residual rigid.capped goes on counting

@@ -28,6 +28,13 @@ struct SolverJoint {
   Real peak_force = 0;         // in this step: the largest of its substeps, N
 };
 
+inline constexpr int kLevels = 6;  // of islands, see SolverInput::levels
+
+struct ContactSpring {
+  Real rate = 0;   // angular frequency, with the mass of the lighter body, 1/s; 0: contacts do not give way
+  Real crowd = 0;  // softer by so much per contact of a body above one
+};
+
 struct SolverInput {
   // Solver index of what owns the collider; 0: the world.
   std::uint32_t solver_index(std::uint32_t collider) const {
@@ -47,6 +54,9 @@ struct SolverInput {
   std::span<const std::uint32_t> active_joints;     // indices into joints, ascending
   std::span<const std::uint32_t> breakable_joints;  // those of them whose load is noted
   std::span<JointedBody> jointed;                   // by solver index, of bodies; empty without joints
+  // By solver index: the body's contacts want 2^level pieces of a substep, the same for all of an island; none of an
+  // island with joints. Empty: no body does.
+  std::span<const std::uint8_t> levels;
 };
 
 // Called by the rigid system's passes. Rigid bodies come first; the solver bodies behind them were advanced by their
@@ -58,6 +68,8 @@ class RigidSolver {
   // Each substep: velocities in; velocities, displacements and rotations out.
   virtual void solve(const SolverInput& in, StepContext& c) = 0;
   virtual void finish(const SolverInput& in, StepContext& c) = 0;  // once: restitution, impulses stored
+  // Contacts as springs, for substeps of h seconds.
+  virtual ContactSpring contact_spring(Real /*h*/) const { return {}; }
   virtual bool wide() const { return true; }          // kernels may take the vector instructions of the processor
   virtual std::uint64_t capped() const { return 0; }  // times an iteration limit was reached in the last step
 };

@@ -64,7 +64,7 @@ struct Bench {
   // One step of one substep.
   void step() {
     if (!solver) solver = find_variant(rigid_solvers(), "impulse", "rigid solver").make(arena, params);
-    const SolverInput in{&contacts, &colliders, &solver_bodies, {}, {}, {}, {}};
+    const SolverInput in{&contacts, &colliders, &solver_bodies, {}, {}, {}, {}, {}};
     for (std::size_t i = 1; i < solver_bodies.state.size(); ++i) {
       solver_bodies.mass[i].center += solver_bodies.state[i].delta_position;
       solver_bodies.mass[i].start_rotation = solver_bodies.state[i].rotation;

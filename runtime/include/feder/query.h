@@ -66,7 +66,7 @@ class Collide final : public System, public ContactService {
   Real core_depth(const Shape& shape) const override;
   void obstacles(std::uint32_t collider, const Aabb& box, bool moving, Array<std::uint32_t>& found) const override;
   OwnerImpact impact(std::uint32_t a, const OwnerMotion& motion_a, std::uint32_t b, const OwnerMotion& motion_b,
-                     Real begin, Real end, const Aabb& within) const override;
+                     Real begin, Real end) const override;
   void set_material_pair(const MaterialPair& pair);
 
   // Colliders whose boxes overlap this one, ascending: by the broad phase, with the boxes of this step, from

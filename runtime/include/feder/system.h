@@ -114,6 +114,9 @@ struct OwnerImpact {
 
 // What owners of colliders (rigid bodies, net points) may ask of collision detection, and what it asks of them.
 // The system named "collide" implements it; owners find it by name and know no more of it.
+// The core of a convex shape is so far inside it, of its least half width.
+inline constexpr Real kCoreDepth = Real(0.25);
+
 class ContactService {
  public:
   static constexpr const char* kSystem = "collide";  // also the arena of Colliders and Contacts
@@ -133,16 +136,17 @@ class ContactService {
   // The number of a named material, made on first use. Number 0 is "no material".
   virtual std::uint16_t material(std::string_view name) = 0;
 
-  // Least distance from the surface of a shape to its core, m: a shape that moves less passes through nothing.
+  // Least distance from the surface of a shape to its core, m, kCoreDepth of its least half width: a shape that moves
+  // less passes through nothing. Infinite for what is not convex.
   virtual Real core_depth(const Shape& shape) const = 0;
 
   // Parts of bodies that a collider may meet, with boxes that overlap `box`, ascending; replaces `found`. Fixed ones
   // and kinematic ones at rest; `moving`: also those that move. Between the broad phase of a step and its end.
   virtual void obstacles(std::uint32_t collider, const Aabb& box, bool moving, Array<std::uint32_t>& found) const = 0;
   // When collider `a` of the moving owner has to stop on its way from `begin` to `end`, fractions of the step, lest it
-  // passes through b. Its box on that way is in `within`.
+  // passes through b.
   virtual OwnerImpact impact(std::uint32_t a, const OwnerMotion& motion_a, std::uint32_t b, const OwnerMotion& motion_b,
-                             Real begin, Real end, const Aabb& within) const = 0;
+                             Real begin, Real end) const = 0;
 };
 
 }  // namespace feder

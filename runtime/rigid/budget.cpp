@@ -1,0 +1,250 @@
+// Contacts that carry many times what they join. A contact is a spring whose stiffness goes with the smaller mass and
+// the square of the substep rate (rigid/solver.h), so a light body under a heavy one sinks in, by x = F / (m w^2).
+// Islands in which one would sink by more than kHolds of a body's thickness do their substeps in 2^level pieces, as many
+// as the weights on each other and the loads of the last step ask for, and the budget allows. What gives way all the
+// same, by more than kSinks, says so once per world. Islands with joints or net points have one piece. Kept between
+// steps: the level of each body. It falls only when less would do for kCalmSteps: each change under a load that swings
+// would drive it. Weak spot: more pieces under a load that has sunk in already set its energy free; a moving kinematic
+// body stands still during the pieces of a substep.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "rigid/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kHolds = Real(0.01);            // of the thickness of the thinner body
+constexpr Real kLooks = Real(0.001);           // what one weight sinks by, times ratio^2 - 1 of the masses: sum them
+constexpr int kCalmSteps = 30;                 // a lower level must do for so long
+constexpr std::uint64_t kMostExtra = 4096;     // pieces times contacts of a world beyond its substeps
+constexpr int kTiers = 32;                     // of bodies on each other
+constexpr std::uint64_t kLoadSteps = 8;        // between two looks for what gives way
+constexpr Real kSinks = Real(0.05);            // of the thickness
+constexpr Real kShare = Real(0.25);            // of the depth, at least, must be the load's
+constexpr Real kMostTimes = Real(3e4);         // its own weight
+constexpr Real kParts = Real(0.95);            // between two looks: what overlaps less is parting
+
+Real squared_pieces(int level) { return static_cast<Real>(std::uint64_t(1) << (2 * level)); }
+
+}  // namespace
+
+// Who lies above in a contact, and who below; kNone where that is no body. With what part of the weight.
+Rigid::Impl::Pile Rigid::Impl::pile_of(const Contact& contact, const Vec3& gravity) const {
+  const Real along = dot(contact.normal, gravity);
+  const std::uint32_t a = colliders.body_of(contact.collider_a), b = colliders.body_of(contact.collider_b);
+  return along < 0 ? Pile{b, a, -along} : Pile{a, b, along};
+}
+
+// The thinner body of a contact and how far it would sink with one piece, over its thickness: under what the contact
+// carried in the last step, or the weight of the upper body and of what that carries, which it may not have felt yet.
+ContactLoad Rigid::Impl::load_of(const Contact& contact, Real rate, const StepContext& c) const {
+  ContactLoad load;
+  Real impulse = 0, mass = kInfinity, heavy = 0;
+  for (int k = 0; k < contact.point_count; ++k) {
+    impulse += contact.points[k].normal_impulse;
+    load.depth = std::max(load.depth, -contact.points[k].separation);
+  }
+  const Pile pile = pile_of(contact, c.gravity);
+  Real weight = weight_of(pile);
+  if (carried && weight > 0) weight += carried[pile.upper];
+  const Real force = std::max(impulse / c.h, weight);
+  if (!(force > 0)) return load;
+  for (const std::uint32_t i : {pile.upper, pile.lower}) {
+    if (i == kNone || bodies.type[i] != BodyType::dynamic) continue;
+    const Real thickness = 2 * core_depth[i] / kCoreDepth;
+    mass = std::min(mass, bodies.mass[i]), heavy = std::max(heavy, bodies.mass[i]);
+    if (!(thickness < load.thickness)) continue;
+    load.thickness = thickness, load.body = i;
+  }
+  if (load.body == kNone) return load;
+  load.force = force;
+  const Real gives = 1 / (mass * rate * rate * load.thickness);
+  load.sinks = force * gives, load.by_weight = weight * gives, load.ratio = heavy / mass;
+  load.pull = weight / mass;
+  return load;
+}
+
+Real Rigid::Impl::weight_of(const Pile& pile) const {
+  if (pile.upper == kNone || bodies.type[pile.upper] != BodyType::dynamic) return 0;
+  return bodies.mass[pile.upper] * std::max(bodies.gravity_scale[pile.upper], Real(0)) * pile.gravity;
+}
+
+// Adds what the active contacts of islands that the budget can serve join to `list`, in their order; counts them by root.
+std::span<Rigid::Impl::Pile> Rigid::Impl::list_piles(IslandLoad* by_root, StepContext& c) {
+  const auto root_of = [&](const Pile& pile) {
+    return islands.root(bodies.moves(pile.upper) ? pile.upper : pile.lower);
+  };
+  const auto each = [&](auto&& f) {
+    for (const std::uint32_t slot : contacts.active) {
+      Pile pile = pile_of(contacts.slots[slot], c.gravity);
+      pile.slot = slot;
+      if (bodies.moves(pile.upper) || bodies.moves(pile.lower)) f(pile, by_root[root_of(pile)]);
+    }
+  };
+  std::size_t count = 0;
+  each([&](const Pile& pile, IslandLoad& island) {
+    const Contact& contact = contacts.slots[pile.slot];
+    ++island.contacts, ++count;
+    for (const std::uint32_t collider : {contact.collider_a, contact.collider_b})
+      if (colliders.owner[collider] != ColliderOwner::body) island.apart = true;
+  });
+  for (const std::uint32_t j : active_joints)
+    for (const std::uint32_t i : {records[j].body_a, records[j].body_b})
+      if (records[j].alive && bodies.moves(i)) by_root[islands.root(i)].apart = true;
+  Pile* list = c.scratch->take<Pile>(count);
+  count = 0;
+  each([&](const Pile& pile, const IslandLoad& island) {
+    if (island.contacts <= kMostExtra) list[count++] = pile;
+  });
+  return {list, count};
+}
+
+// By body: the weight that lies on it, N, when each body shares its own and what it carries out evenly.
+const Real* Rigid::Impl::carried_weights(std::span<const Pile> piles, StepContext& c) {
+  Real* sum = c.scratch->take<Real>(bodies.size());
+  Real* next = c.scratch->take<Real>(bodies.size());
+  Real* supports = c.scratch->take<Real>(bodies.size());
+  for (const std::uint32_t i : moving) sum[i] = supports[i] = 0;
+  for (const Pile& pile : piles)
+    if (bodies.moves(pile.upper)) supports[pile.upper] += 1;
+  bool changes = true;
+  for (int tier = 0; changes && tier < kTiers; ++tier) {
+    for (const std::uint32_t i : moving) next[i] = 0;
+    for (const Pile& pile : piles)
+      if (bodies.moves(pile.upper) && bodies.moves(pile.lower))
+        next[pile.lower] += (weight_of(pile) + sum[pile.upper]) / supports[pile.upper];
+    changes = false;
+    for (const std::uint32_t i : moving) changes = changes || next[i] != sum[i];
+    std::swap(sum, next);
+  }
+  return sum;
+}
+
+// By body: its contacts, each by how much of it this body, as the lighter one, is.
+const Real* Rigid::Impl::crowds(std::span<const Pile> piles, StepContext& c) {
+  Real* crowd = c.scratch->take<Real>(bodies.size());
+  for (const std::uint32_t i : moving) crowd[i] = 0;
+  for (const Pile& pile : piles) {
+    const bool upper = bodies.moves(pile.upper), lower = bodies.moves(pile.lower);
+    const Real wu = upper ? 1 / bodies.mass[pile.upper] : 0, wl = lower ? 1 / bodies.mass[pile.lower] : 0;
+    if (upper) crowd[pile.upper] += wu / (wu + wl);
+    if (lower) crowd[pile.lower] += wl / (wu + wl);
+  }
+  return crowd;
+}
+
+// Levels of the islands: for the weights at once; for impulses, which may be those of an impact, one more per step.
+void Rigid::Impl::choose_levels(StepContext& c) {
+  levels.clear();
+  carried = nullptr;
+  const ContactSpring spring = solver->contact_spring(c.h);
+  if (!(spring.rate > 0)) return;
+  bool any = false;
+  for (const std::uint32_t i : moving) any = any || level[i] > 0;
+  for (const std::uint32_t slot : contacts.active) {
+    if (any) break;
+    const ContactLoad load = load_of(contacts.slots[slot], spring.rate, c);
+    any = load.sinks > kHolds || (load.ratio * load.ratio - 1) * load.by_weight > kLooks;
+  }
+  if (!any) return;
+  join_islands();
+  IslandLoad* by_root = c.scratch->take<IslandLoad>(bodies.size());
+  for (const std::uint32_t i : moving) by_root[i] = {};
+  for (const std::uint32_t i : moving) {
+    IslandLoad& island = by_root[islands.root(i)];
+    island.before = std::max(island.before, level[i]);
+    island.calm = std::min(island.calm, level_calm[i]);
+  }
+  const std::span<const Pile> piles = list_piles(by_root, c);
+  carried = carried_weights(piles, c);
+  const Real* crowd = crowds(piles, c);
+  for (const Pile& pile : piles) {
+    const ContactLoad load = load_of(contacts.slots[pile.slot], spring.rate, c);
+    if (load.body == kNone) continue;
+    IslandLoad& island = by_root[islands.root(bodies.moves(pile.upper) ? pile.upper : pile.lower)];
+    const Real crowded = (1 + spring.crowd * std::max(crowd[load.body] - 1, Real(0))) / kHolds;
+    island.by_weight = std::max(island.by_weight, load.by_weight * crowded);
+    island.by_impulse = std::max(island.by_impulse, load.sinks * crowded);
+  }
+  share_out(by_root, c);
+}
+
+// Levels by need, the neediest first, while the budget lasts.
+void Rigid::Impl::share_out(IslandLoad* by_root, StepContext& c) {
+  const auto level_for = [](Real need) {
+    int wanted = 0;
+    while (wanted + 1 < kLevels && squared_pieces(wanted) < need) ++wanted;
+    return wanted;
+  };
+  std::uint32_t* order = c.scratch->take<std::uint32_t>(moving.size());
+  std::size_t count = 0;
+  for (const std::uint32_t i : moving) {
+    if (islands.root(i) != i) continue;
+    IslandLoad& island = by_root[i];
+    const int before = island.before;
+    island.wanted = std::max(level_for(island.by_weight), std::min(level_for(island.by_impulse), before + 1));
+    if (island.apart || island.contacts > kMostExtra) {
+      island.wanted = island.calm = 0;
+      continue;
+    }
+    island.calm = static_cast<std::uint8_t>(island.wanted < before ? island.calm + 1 : 0);
+    if (island.calm > kCalmSteps)
+      island.calm = 0, island.wanted = before - 1;
+    else
+      island.wanted = std::max(island.wanted, before);
+    if (island.wanted > 0) order[count++] = i;
+  }
+  const auto need = [&](std::uint32_t i) { return std::max(by_root[i].by_weight, by_root[i].by_impulse); };
+  std::sort(order, order + count, [&](std::uint32_t a, std::uint32_t b) {
+    return std::make_tuple(-by_root[a].wanted, -need(a), a) < std::make_tuple(-by_root[b].wanted, -need(b), b);
+  });
+  std::uint64_t left = kMostExtra;
+  for (std::size_t n = 0; n < count; ++n) {
+    IslandLoad& island = by_root[order[n]];
+    const auto extra = [&](int k) { return island.contacts * ((std::uint64_t(1) << k) - 1); };
+    while (island.wanted > 0 && extra(island.wanted) > left) --island.wanted;
+    left -= extra(island.wanted);
+  }
+  if (count > 0) levels.assign(solver_bodies.state.size(), 0);
+  for (std::uint32_t p = 0; p < moving.size(); ++p) {
+    const std::uint32_t i = moving[p];
+    const IslandLoad& island = by_root[islands.root(i)];
+    level[i] = static_cast<std::uint8_t>(island.wanted);
+    level_calm[i] = island.calm;
+    if (level[i] > 0) levels[p + 1] = level[i];
+  }
+}
+
+// Bodies in an impact, or made inside each other, part again: the same one must be found twice, overlapping no less, and
+// its load must explain that, by the give of its contacts or by weights beyond what any number of pieces holds.
+void Rigid::Impl::check_loads(StepContext& c) {
+  if (c.step % kLoadSteps != 0 || load_warned) return;
+  const ContactSpring spring = solver->contact_spring(c.h);
+  if (!(spring.rate > 0)) return;
+  ContactLoad worst;
+  Real most = kSinks;
+  const Real too_much = kMostTimes * c.gravity.norm();
+  for (const std::uint32_t slot : contacts.active) {
+    const ContactLoad load = load_of(contacts.slots[slot], spring.rate, c);
+    if (load.body == kNone || load.depth <= most * load.thickness) continue;
+    const Real share = load.depth / load.thickness;
+    if (load.sinks < kShare * share * squared_pieces(level[load.body]) && load.pull <= too_much) continue;
+    worst = load, most = share;
+  }
+  const ContactLoad before = std::exchange(gives_way, worst);
+  if (worst.body == kNone || worst.body != before.body || worst.depth < kParts * before.depth) return;
+  load_warned = true;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                " gives way by %.2g %% of its thickness under %.3g N: more substeps than %d, or masses that differ less, "
+                "would hold it",
+                static_cast<double>(100 * most), static_cast<double>(worst.force), c.substeps);
+  events.warn("overload", objects.describe(bodies.object[worst.body]) + text, bodies.object[worst.body]);
+}
+
+}  // namespace feder

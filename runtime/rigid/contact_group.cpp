@@ -1,0 +1,253 @@
+#include "rigid/contact_group.h"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/hash.h"
+#include "feder/error.h"
+
+namespace feder {
+namespace {
+
+constexpr int kFixedColor = 48;  // colours from here on: contacts against immovable bodies, solved last
+// In ContactShared::crowd immovable bodies count kSupport: with 1/2 a heavy crate on a light one oscillates for twice as
+// long, with 1 a tower sinks a twentieth deeper.
+constexpr Real kSupport = 0.75;
+// batches per job
+constexpr JobGrain kSolveGrain{8, 2'500}, kStoreGrain{8, 1'000};
+
+static_assert(kBatchPoints == kMaxContactPoints);
+
+}  // namespace
+
+void ContactGroup::build(const SolverInput& in, StepContext& c, const ContactShared& shared,
+                         std::span<const std::uint32_t> slots, int level) {
+  level_ = level;
+  strikes_ = nullptr;
+  batch_count_ = overflow_count_ = 0;
+  if (slots.empty()) return;
+  color(in, c, shared, slots);
+  batches_ = c.scratch->take<ContactBatch>(batch_count_);
+  sides_ = c.scratch->take<BatchSide>(batch_count_);
+}
+
+void ContactGroup::color(const SolverInput& in, StepContext& c, const ContactShared& shared,
+                         std::span<const std::uint32_t> slots) {
+  const Contacts& contacts = *in.contacts;
+  const SolverBodies& solver_bodies = *in.solver_bodies;
+  const std::uint32_t count = static_cast<std::uint32_t>(slots.size());
+  std::uint64_t* taken = shared.colors;
+  std::uint8_t* color_of = c.scratch->take<std::uint8_t>(count);
+  // the world and kinematic solver bodies never conflict
+  const std::uint64_t kFixedMask = ~std::uint64_t(0) << kFixedColor;
+  // greedy: the first colour that neither body has; and how crowded each body is
+  std::uint32_t of_color[kColors + 1] = {};
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const Contact& contact = contacts.slots[slots[i]];
+    const std::uint32_t a = in.solver_index(contact.collider_a), b = in.solver_index(contact.collider_b);
+    const bool moves_a = shared.masses[a].movable > 0, moves_b = shared.masses[b].movable > 0;
+    std::uint64_t used = (moves_a ? taken[a] : 0) | (moves_b ? taken[b] : 0);
+    used |= moves_a && moves_b ? kFixedMask : ~kFixedMask;
+    FEDER_ASSERT(a < solver_bodies.state.size() && b < solver_bodies.state.size());
+    const Real wa = solver_bodies.mass[a].inv_mass, wb = solver_bodies.mass[b].inv_mass;
+    const bool both = wa > 0 && wb > 0;
+    shared.crowd[a] += both ? wa / (wa + wb) : kSupport;
+    shared.crowd[b] += both ? wb / (wa + wb) : kSupport;
+    std::uint8_t color = kColors;
+    if (~used) {
+      color = static_cast<std::uint8_t>(__builtin_ctzll(~used));
+      const std::uint64_t bit = std::uint64_t(1) << color;
+      if (moves_a) taken[a] |= bit;
+      if (moves_b) taken[b] |= bit;
+    }
+    color_of[i] = color;
+    ++of_color[color];
+  }
+  // overflow first, one contact per batch
+  overflow_count_ = of_color[kColors];
+  std::uint32_t batch = overflow_count_, next[kColors + 1];
+  next[kColors] = 0;
+  for (int k = 0; k < kColors; ++k) {
+    color_first_[k] = batch;
+    next[k] = batch * kLanes;
+    batch += (of_color[k] + kLanes - 1) / kLanes;
+  }
+  color_first_[kColors] = batch_count_ = batch;
+  // contacts into their lanes
+  lanes_ = c.scratch->take<std::uint32_t>(std::size_t(batch) * kLanes);
+  std::fill(lanes_, lanes_ + std::size_t(batch) * kLanes, kNone);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    std::uint32_t& at = next[color_of[i]];
+    lanes_[at] = slots[i];
+    at += color_of[i] == kColors ? kLanes : 1;
+  }
+  if constexpr (kAsserts) check_colors(in, c, shared, slots);
+}
+
+// Checks the colouring: each contact lies in one lane; lanes of a colour, and those of an overflow batch, push
+// different solver bodies.
+void ContactGroup::check_colors(const SolverInput& in, StepContext& c, const ContactShared& shared,
+                                std::span<const std::uint32_t> slots) const {
+  std::uint32_t* last =
+      c.scratch->take<std::uint32_t>(in.solver_bodies->state.size());  // by solver index: the colour it was met in
+  std::fill(last, last + in.solver_bodies->state.size(), kNone);
+  MultisetHash active, listed;
+  for (const std::uint32_t slot : slots) active.add(slot);
+  FEDER_ASSERT(color_first_[0] == overflow_count_ && color_first_[kColors] == batch_count_);
+  int color = 0;
+  for (std::uint32_t batch = 0; batch < batch_count_; ++batch) {
+    while (batch >= overflow_count_ && batch >= color_first_[color + 1]) ++color;
+    const std::uint32_t name = batch < overflow_count_ ? kColors + batch : static_cast<std::uint32_t>(color);
+    for (std::uint32_t lane = 0; lane < kLanes; ++lane) {
+      const std::uint32_t slot = lanes_[std::size_t(batch) * kLanes + lane];
+      if (slot == kNone) continue;
+      listed.add(slot);
+      const Contact& contact = in.contacts->slots[slot];
+      for (const std::uint32_t collider : {contact.collider_a, contact.collider_b}) {
+        const std::uint32_t i = in.solver_index(collider);
+        if (!(shared.masses[i].movable > 0)) continue;
+        FEDER_ASSERT(last[i] != name);
+        last[i] = name;
+      }
+    }
+  }
+  FEDER_ASSERT(active == listed);
+}
+
+void ContactGroup::fill_lane(const Contact& contact, const Vec3& gravity, std::uint32_t batch, int lane) {
+  FEDER_ASSERT(contact.touching && !contact.sensor);
+  FEDER_ASSERT(contact.point_count >= 1 && contact.point_count <= kBatchPoints);
+  ContactBatch& c = batches_[batch];
+  BatchSide& side = sides_[batch];
+  const Real share = Real(1) / static_cast<Real>(pieces());  // impulses are kept per substep
+  const auto put = [lane](Lane8x3& to, const Vec3& v) {
+    to.x.v[lane] = v[0], to.y.v[lane] = v[1], to.z.v[lane] = v[2];
+  };
+  // points
+  put(c.normal, contact.normal);
+  for (int j = 0; j < contact.point_count; ++j) {
+    const ContactPoint& from = contact.points[j];
+    BatchPoint& q = c.point[j];
+    put(q.angular_a, from.arm_a);
+    put(q.angular_b, from.arm_b);
+    q.separation.v[lane] = from.separation;
+    q.impulse.v[lane] = share * from.normal_impulse;
+    q.mass.v[lane] = 1;
+  }
+  c.points = std::max(c.points, unsigned(contact.point_count));
+  // landing: no warm start, and about to carry weight: worth more rounds
+  side.lands.v[lane] = contact.fresh || std::fabs(dot(contact.normal, gravity)) > length(gravity) / 2 ? 1 : 0;
+  // friction and restitution
+  c.friction_static.v[lane] = contact.friction_static;
+  c.friction_dynamic.v[lane] = contact.friction_dynamic;
+  c.tangent_impulse[0].v[lane] = share * contact.tangent_impulse[0];
+  c.tangent_impulse[1].v[lane] = share * contact.tangent_impulse[1];
+  c.twist_impulse.v[lane] = share * contact.twist_impulse;
+  if (!contact.surface_velocity.isZero(0)) {
+    Vec3 t1, t2;
+    tangent_frame(contact.normal, t1, t2);
+    c.tangent_speed[0].v[lane] = dot(contact.surface_velocity, t1);
+    c.tangent_speed[1].v[lane] = dot(contact.surface_velocity, t2);
+  }
+  side.restitution.v[lane] = contact.restitution;
+  if (contact.restitution > 0) side.bounces = 1;
+  if (contact.rolling_friction > 0) side.rolls = 1;
+  side.rolling_arm.v[lane] = contact.rolling_friction;
+  put(side.rolling_impulse, share * contact.rolling_impulse);
+}
+
+void ContactGroup::fill_batch(const SolverInput& in, const ContactShared& shared, const Vec3& gravity,
+                              std::uint32_t batch) {
+  ContactBatch& c = batches_[batch];
+  std::memset(static_cast<void*>(&c), 0, sizeof c);
+  std::memset(static_cast<void*>(&sides_[batch]), 0, sizeof(BatchSide));
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const std::uint32_t slot = lanes_[std::size_t(batch) * kLanes + static_cast<std::size_t>(lane)];
+    if (slot == kNone) continue;
+    FEDER_ASSERT(slot < in.contacts->slots.size());
+    const Contact& contact = in.contacts->slots[slot];
+    const std::uint32_t a = in.solver_index(contact.collider_a), b = in.solver_index(contact.collider_b);
+    const bool moves_a = shared.masses[a].movable > 0, moves_b = shared.masses[b].movable > 0;
+    c.index_a[lane] = a, c.index_b[lane] = b;
+    if (moves_a) c.writes_a |= 1u << lane;
+    if (moves_b) c.writes_b |= 1u << lane;
+    c.against_fixed.v[lane] = moves_a && moves_b ? 0 : 1;
+    c.leak.v[lane] = 1 + kCrowd * std::max(std::max(shared.crowd[a], shared.crowd[b]) - 1, Real(0));
+    fill_lane(contact, gravity, batch, lane);
+  }
+}
+
+void ContactGroup::fill(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, std::uint32_t first,
+                        std::uint32_t last) {
+  for (std::uint32_t batch = first; batch < last; ++batch) fill_batch(in, shared, gravity, batch);
+}
+
+void ContactGroup::store_batch(Contacts& contacts, std::uint32_t batch) const {
+  const ContactBatch& c = batches_[batch];
+  const BatchSide& side = sides_[batch];
+  const Real whole = static_cast<Real>(pieces());
+  for (int lane = 0; lane < kLanes; ++lane) {
+    const std::uint32_t slot = lanes_[std::size_t(batch) * kLanes + static_cast<std::size_t>(lane)];
+    if (slot == kNone) continue;
+    Contact& contact = contacts.slots[slot];
+    FEDER_ASSERT(contact.collider_a != kNone && contact.point_count <= c.points);  // as it was filled
+    for (int j = 0; j < contact.point_count; ++j) {
+      ContactPoint& to = contact.points[j];
+      to.normal_impulse = whole * c.point[j].impulse.v[lane];
+      to.total_impulse = side.total[j].v[lane];
+      to.approach_speed = side.approach[j].v[lane];
+    }
+    contact.tangent_impulse[0] = whole * c.tangent_impulse[0].v[lane];
+    contact.tangent_impulse[1] = whole * c.tangent_impulse[1].v[lane];
+    contact.twist_impulse = whole * c.twist_impulse.v[lane];
+    contact.rolling_impulse =
+        whole * Vec3(side.rolling_impulse.x.v[lane], side.rolling_impulse.y.v[lane], side.rolling_impulse.z.v[lane]);
+  }
+}
+
+void ContactGroup::store(Contacts& contacts, JobPool& jobs) const {
+  jobs.for_blocks(batch_count_, kStoreGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) store_batch(contacts, i);
+  });
+}
+
+ContactPass ContactGroup::pass() const {
+  ContactPass p{};
+  p.batches = batches_;
+  p.sides = sides_;
+  p.strikes = strikes_;
+  return p;
+}
+
+bool ContactGroup::any_bounces() const {
+  for (std::uint32_t i = 0; i < batch_count_; ++i)
+    if (sides_[i].bounces) return true;
+  return false;
+}
+
+bool ContactGroup::any_strikes() const {
+  for (std::uint32_t i = 0; i < batch_count_; ++i)
+    if (sides_[i].bounces && strikes_[i].acts) return true;
+  return false;
+}
+
+void ContactGroup::run(void (*kernel)(const ContactPass&), ContactPass p, JobPool& jobs) {
+  if (batch_count_ == 0) return;
+  // batches lie in the order of their colours: alone, one thread does all in one go
+  const bool alone = jobs.threads() == 1;
+  p.first = 0, p.last = alone ? batch_count_ : overflow_count_;
+  if (p.last) kernel(p);
+  if (alone) return;
+  const auto solve = [&p, kernel](std::uint32_t from, std::uint32_t to, int) {
+    ContactPass part = p;
+    part.first = from, part.last = to;
+    kernel(part);
+  };
+  std::size_t count = 0;
+  for (int k = 0; k < kColors; ++k)
+    if (color_first_[k] < color_first_[k + 1])
+      stages_[count++] = JobPool::stage(color_first_[k], color_first_[k + 1], kSolveGrain, solve);
+  jobs.run_stages({stages_, count});
+}
+
+}  // namespace feder

@@ -1,0 +1,68 @@
+// A group of contacts that are solved together: coloured greedily (no two of a colour push the same solver body), eight
+// of a colour at a time; those that find no colour are solved alone. Groups of one step share no solver body that
+// contacts can push. In the step's scratch memory.
+#pragma once
+#include <span>
+
+#include "base/jobs.h"
+#include "rigid/contact_batch.h"
+#include "rigid/solver.h"
+
+namespace feder {
+
+// Contact softness by crowding: one pass per substep cannot resolve many stiff contacts of a body, so a contact is
+// softer by kCrowd per contact's worth of stiffness above one. With less, pyramids of 30 do not come to rest; with 1.5
+// one of 100 buckles.
+inline constexpr Real kCrowd = 1.25;
+
+// What the groups of a step share, by solver index.
+struct ContactShared {
+  const WideMass* masses = nullptr;
+  Real* crowd = nullptr;             // stiffness of a body's contacts over its mass: 1 in a tower, 2 in a pyramid
+  std::uint64_t* colors = nullptr;   // bits: those that a body has
+};
+
+class ContactGroup {
+ public:
+  // The contacts in `slots`; `level`: their substep is done in 2^level pieces.
+  void build(const SolverInput& in, StepContext& c, const ContactShared& shared, std::span<const std::uint32_t> slots,
+             int level);
+  // Colours of batches [first, last) one after the other; `pass` has all but the range.
+  void run(void (*kernel)(const ContactPass&), ContactPass pass, JobPool& jobs);
+  void store(Contacts& contacts, JobPool& jobs) const;
+  ContactPass pass() const;  // with batches alone
+  // Batches [first, last) from their contacts, as `prepare` of the kernels wants them.
+  void fill(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, std::uint32_t first,
+            std::uint32_t last);
+  bool any_bounces() const;
+  bool any_strikes() const;
+  void expect_strikes(StepContext& c) { strikes_ = c.scratch->take<StrikeBatch>(batch_count_); }
+
+  int level() const { return level_; }
+  int pieces() const { return 1 << level_; }
+  std::uint32_t batch_count() const { return batch_count_; }
+  bool empty() const { return batch_count_ == 0; }
+  bool bounces() const { return strikes_ != nullptr; }
+
+  std::span<const std::uint32_t> bodies;  // solver indices; of the first group: empty for all that is in no other
+
+ private:
+  static constexpr int kColors = 64;
+  void color(const SolverInput& in, StepContext& c, const ContactShared& shared, std::span<const std::uint32_t> slots);
+  void check_colors(const SolverInput& in, StepContext& c, const ContactShared& shared,
+                    std::span<const std::uint32_t> slots) const;
+  void fill_batch(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, std::uint32_t batch);
+  void fill_lane(const Contact& contact, const Vec3& gravity, std::uint32_t batch, int lane);
+  void store_batch(Contacts& contacts, std::uint32_t batch) const;
+
+  ContactBatch* batches_ = nullptr;
+  BatchSide* sides_ = nullptr;
+  StrikeBatch* strikes_ = nullptr;  // null: nothing bounces
+  std::uint32_t* lanes_ = nullptr;  // contact slot by batch and lane, kNone where empty
+  std::uint32_t batch_count_ = 0, overflow_count_ = 0;
+  std::uint32_t color_first_[kColors + 1] = {};  // first batch of each colour; the overflow comes before colour 0
+  JobPool::Stage stages_[kColors];               // of the kernel that runs: its colours
+  int level_ = 0;
+};
+
+}  // namespace feder
