@@ -165,13 +165,14 @@ void Rigid::Impl::load_mass(std::uint32_t i, const BodySolid& solid) {
   bodies.extent[i] = 0;
   for (const CompoundPart& p : solid.parts)
     bodies.extent[i] = std::max(bodies.extent[i], p.shape->extent(to_local(p.pose, solid.center)));
+  level_trend[i] = 0;
   core_depth[i] = kInfinity;
   for (const CompoundPart& p : solid.parts) core_depth[i] = std::min(core_depth[i], collide.core_depth(*p.shape));
   volume[i] = solid.volume;
   const double radius = cube_root(static_cast<double>(solid.volume) * 3 / (4 * static_cast<double>(kPi)));
   area[i] = kPi * static_cast<Real>(radius * radius);
   pace[i] = 0;
-  level[i] = level_calm[i] = sleep_candidate[i] = asymmetric[i] = 0;
+  level[i] = sleep_candidate[i] = asymmetric[i] = 0;
   kept_momentum[i] = kept_angular_velocity[i] = Vec3::Zero();
   next_in_island[i] = kNone;
   set_mass(i);

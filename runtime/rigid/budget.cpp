@@ -1,8 +1,8 @@
 // Contacts that carry many times what they join. A contact is a spring whose stiffness goes with the smaller mass and
 // the square of the substep rate (rigid/solver.h), so a light body under a heavy one sinks in, by x = F / (m w^2).
-// Islands in which one would sink by more than kHolds of a body's thickness do their substeps in 2^level pieces, as many
-// as the weights on each other and the loads of the last step ask for, and the budget allows. What gives way all the
-// same, by more than kSinks, says so once per world. Islands with joints or net points have one piece. Kept between
+// Islands in which one would sink by more than kHolds of a body's thickness do their substeps in 2^level pieces, as
+// many as the weights on each other and the loads of the last step ask for, and the budget allows. What gives way all
+// the same, by more than kSinks, says so once per world. Islands with joints or net points have one piece. Kept between
 // steps: the level of each body. It falls only when less would do for kCalmSteps: each change under a load that swings
 // would drive it. Weak spot: more pieces under a load that has sunk in already set its energy free; a moving kinematic
 // body stands still during the pieces of a substep.
@@ -18,16 +18,17 @@
 namespace feder {
 namespace {
 
-constexpr Real kHolds = Real(0.01);            // of the thickness of the thinner body
-constexpr Real kLooks = Real(0.001);           // what one weight sinks by, times ratio^2 - 1 of the masses: sum them
-constexpr int kCalmSteps = 30;                 // a lower level must do for so long
-constexpr std::uint64_t kMostExtra = 4096;     // pieces times contacts of a world beyond its substeps
-constexpr int kTiers = 32;                     // of bodies on each other
-constexpr std::uint64_t kLoadSteps = 8;        // between two looks for what gives way
-constexpr Real kSinks = Real(0.05);            // of the thickness
-constexpr Real kShare = Real(0.25);            // of the depth, at least, must be the load's
-constexpr Real kMostTimes = Real(3e4);         // its own weight
-constexpr Real kParts = Real(0.95);            // between two looks: what overlaps less is parting
+constexpr Real kHolds = Real(0.01);         // of the thickness of the thinner body
+constexpr Real kLooks = Real(0.001);        // what one weight sinks by, times ratio^2 - 1 of the masses: sum them
+constexpr int kCalmSteps = 30;              // a lower level must do for so long
+constexpr int kHotSteps = 4;                // where weights ask for none, loads must do so for so long: impacts do not
+constexpr std::uint64_t kMostExtra = 2048;  // pieces times contacts of a world beyond its substeps
+constexpr int kTiers = 32;                  // of bodies on each other
+constexpr std::uint64_t kLoadSteps = 8;     // between two looks for what gives way
+constexpr Real kSinks = Real(0.05);         // of the thickness
+constexpr Real kShare = Real(0.25);         // of the depth, at least, must be the load's
+constexpr Real kMostTimes = Real(3e4);      // its own weight
+constexpr Real kParts = Real(0.95);         // between two looks: what overlaps less is parting
 
 Real squared_pieces(int level) { return static_cast<Real>(std::uint64_t(1) << (2 * level)); }
 
@@ -74,34 +75,30 @@ Real Rigid::Impl::weight_of(const Pile& pile) const {
   return bodies.mass[pile.upper] * std::max(bodies.gravity_scale[pile.upper], Real(0)) * pile.gravity;
 }
 
-// Adds what the active contacts of islands that the budget can serve join to `list`, in their order; counts them by root.
+// What the active contacts of hard islands join, in their order; counts the contacts of these by root.
 std::span<Rigid::Impl::Pile> Rigid::Impl::list_piles(IslandLoad* by_root, StepContext& c) {
-  const auto root_of = [&](const Pile& pile) {
-    return islands.root(bodies.moves(pile.upper) ? pile.upper : pile.lower);
-  };
-  const auto each = [&](auto&& f) {
-    for (const std::uint32_t slot : contacts.active) {
-      Pile pile = pile_of(contacts.slots[slot], c.gravity);
-      pile.slot = slot;
-      if (bodies.moves(pile.upper) || bodies.moves(pile.lower)) f(pile, by_root[root_of(pile)]);
-    }
-  };
-  std::size_t count = 0;
-  each([&](const Pile& pile, IslandLoad& island) {
-    const Contact& contact = contacts.slots[pile.slot];
-    ++island.contacts, ++count;
-    for (const std::uint32_t collider : {contact.collider_a, contact.collider_b})
-      if (colliders.owner[collider] != ColliderOwner::body) island.apart = true;
-  });
   for (const std::uint32_t j : active_joints)
     for (const std::uint32_t i : {records[j].body_a, records[j].body_b})
       if (records[j].alive && bodies.moves(i)) by_root[islands.root(i)].apart = true;
-  Pile* list = c.scratch->take<Pile>(count);
-  count = 0;
-  each([&](const Pile& pile, const IslandLoad& island) {
-    if (island.contacts <= kMostExtra) list[count++] = pile;
+  Pile* list = c.scratch->take<Pile>(contacts.active.size());
+  std::size_t count = 0;
+  for (const std::uint32_t slot : contacts.active) {
+    const Contact& contact = contacts.slots[slot];
+    const std::uint32_t a = colliders.body_of(contact.collider_a), b = colliders.body_of(contact.collider_b);
+    const std::uint32_t mover = bodies.moves(a) ? a : b;
+    if (!bodies.moves(mover)) continue;
+    IslandLoad& island = by_root[islands.root(mover)];
+    for (const std::uint32_t collider : {contact.collider_a, contact.collider_b})
+      if (colliders.owner[collider] != ColliderOwner::body) island.apart = true;
+    if (!island.hard) continue;
+    list[count] = pile_of(contact, c.gravity);
+    list[count++].slot = slot;
+    ++island.contacts;
+  }
+  const auto end = std::remove_if(list, list + count, [&](const Pile& pile) {
+    return by_root[islands.root(bodies.moves(pile.upper) ? pile.upper : pile.lower)].contacts > kMostExtra;
   });
-  return {list, count};
+  return {list, end};
 }
 
 // By body: the weight that lies on it, N, when each body shares its own and what it carries out evenly.
@@ -109,17 +106,20 @@ const Real* Rigid::Impl::carried_weights(std::span<const Pile> piles, StepContex
   Real* sum = c.scratch->take<Real>(bodies.size());
   Real* next = c.scratch->take<Real>(bodies.size());
   Real* supports = c.scratch->take<Real>(bodies.size());
-  for (const std::uint32_t i : moving) sum[i] = supports[i] = 0;
+  for (const std::uint32_t i : moving) sum[i] = next[i] = supports[i] = 0;
   for (const Pile& pile : piles)
     if (bodies.moves(pile.upper)) supports[pile.upper] += 1;
+  const auto each_lower = [&](auto&& f) {
+    for (const Pile& pile : piles)
+      if (bodies.moves(pile.upper) && bodies.moves(pile.lower)) f(pile);
+  };
   bool changes = true;
   for (int tier = 0; changes && tier < kTiers; ++tier) {
-    for (const std::uint32_t i : moving) next[i] = 0;
-    for (const Pile& pile : piles)
-      if (bodies.moves(pile.upper) && bodies.moves(pile.lower))
-        next[pile.lower] += (weight_of(pile) + sum[pile.upper]) / supports[pile.upper];
+    each_lower([&](const Pile& pile) { next[pile.lower] = 0; });
+    each_lower(
+        [&](const Pile& pile) { next[pile.lower] += (weight_of(pile) + sum[pile.upper]) / supports[pile.upper]; });
     changes = false;
-    for (const std::uint32_t i : moving) changes = changes || next[i] != sum[i];
+    each_lower([&](const Pile& pile) { changes = changes || next[pile.lower] != sum[pile.lower]; });
     std::swap(sum, next);
   }
   return sum;
@@ -138,27 +138,31 @@ const Real* Rigid::Impl::crowds(std::span<const Pile> piles, StepContext& c) {
   return crowd;
 }
 
-// Levels of the islands: for the weights at once; for impulses, which may be those of an impact, one more per step.
+// Levels of the islands: for the weights at once, for impulses one by one.
 void Rigid::Impl::choose_levels(StepContext& c) {
   levels.clear();
   carried = nullptr;
   const ContactSpring spring = solver->contact_spring(c.h);
   if (!(spring.rate > 0)) return;
-  bool any = false;
-  for (const std::uint32_t i : moving) any = any || level[i] > 0;
+  std::uint32_t* hard = c.scratch->take<std::uint32_t>(contacts.active.size());
+  std::size_t hard_count = 0;
   for (const std::uint32_t slot : contacts.active) {
-    if (any) break;
     const ContactLoad load = load_of(contacts.slots[slot], spring.rate, c);
-    any = load.sinks > kHolds || (load.ratio * load.ratio - 1) * load.by_weight > kLooks;
+    if (load.body == kNone || !bodies.moves(load.body)) continue;
+    if (load.sinks > kHolds || (load.ratio * load.ratio - 1) * load.by_weight > kLooks) hard[hard_count++] = load.body;
   }
+  bool any = hard_count > 0;
+  for (const std::uint32_t i : moving) any = any || level[i] > 0;
   if (!any) return;
   join_islands();
   IslandLoad* by_root = c.scratch->take<IslandLoad>(bodies.size());
   for (const std::uint32_t i : moving) by_root[i] = {};
+  for (std::size_t n = 0; n < hard_count; ++n) by_root[islands.root(hard[n])].hard = true;
   for (const std::uint32_t i : moving) {
     IslandLoad& island = by_root[islands.root(i)];
+    island.hard = island.hard || level[i] > 0;
     island.before = std::max(island.before, level[i]);
-    island.calm = std::min(island.calm, level_calm[i]);
+    island.trend = std::max(island.trend, level_trend[i]);
   }
   const std::span<const Pile> piles = list_piles(by_root, c);
   carried = carried_weights(piles, c);
@@ -187,16 +191,19 @@ void Rigid::Impl::share_out(IslandLoad* by_root, StepContext& c) {
     if (islands.root(i) != i) continue;
     IslandLoad& island = by_root[i];
     const int before = island.before;
-    island.wanted = std::max(level_for(island.by_weight), std::min(level_for(island.by_impulse), before + 1));
+    const int by_weight = level_for(island.by_weight), by_impulse = level_for(island.by_impulse);
     if (island.apart || island.contacts > kMostExtra) {
-      island.wanted = island.calm = 0;
+      island.wanted = island.trend = 0;
       continue;
     }
-    island.calm = static_cast<std::uint8_t>(island.wanted < before ? island.calm + 1 : 0);
-    if (island.calm > kCalmSteps)
-      island.calm = 0, island.wanted = before - 1;
+    island.wanted = std::max(by_weight, before);
+    if (by_impulse > island.wanted)
+      island.trend = static_cast<std::int8_t>(std::max<int>(island.trend, 0) + 1);
     else
-      island.wanted = std::max(island.wanted, before);
+      island.trend =
+          static_cast<std::int8_t>(std::max(by_weight, by_impulse) < before ? std::min<int>(island.trend, 0) - 1 : 0);
+    if (island.trend > (by_weight > 0 ? 0 : kHotSteps)) island.trend = 0, ++island.wanted;
+    if (island.trend < -kCalmSteps) island.trend = 0, --island.wanted;
     if (island.wanted > 0) order[count++] = i;
   }
   const auto need = [&](std::uint32_t i) { return std::max(by_root[i].by_weight, by_root[i].by_impulse); };
@@ -215,13 +222,13 @@ void Rigid::Impl::share_out(IslandLoad* by_root, StepContext& c) {
     const std::uint32_t i = moving[p];
     const IslandLoad& island = by_root[islands.root(i)];
     level[i] = static_cast<std::uint8_t>(island.wanted);
-    level_calm[i] = island.calm;
+    level_trend[i] = island.trend;
     if (level[i] > 0) levels[p + 1] = level[i];
   }
 }
 
-// Bodies in an impact, or made inside each other, part again: the same one must be found twice, overlapping no less, and
-// its load must explain that, by the give of its contacts or by weights beyond what any number of pieces holds.
+// Bodies in an impact, or made inside each other, part again: the same one must be found twice, overlapping no less,
+// and its load must explain that, by the give of its contacts or by weights beyond what any number of pieces holds.
 void Rigid::Impl::check_loads(StepContext& c) {
   if (c.step % kLoadSteps != 0 || load_warned) return;
   const ContactSpring spring = solver->contact_spring(c.h);
@@ -240,10 +247,11 @@ void Rigid::Impl::check_loads(StepContext& c) {
   if (worst.body == kNone || worst.body != before.body || worst.depth < kParts * before.depth) return;
   load_warned = true;
   char text[200];
-  std::snprintf(text, sizeof text,
-                " gives way by %.2g %% of its thickness under %.3g N: more substeps than %d, or masses that differ less, "
-                "would hold it",
-                static_cast<double>(100 * most), static_cast<double>(worst.force), c.substeps);
+  std::snprintf(
+      text, sizeof text,
+      " gives way by %.2g %% of its thickness under %.3g N: more substeps than %d, or masses that differ less, "
+      "would hold it",
+      static_cast<double>(100 * most), static_cast<double>(worst.force), c.substeps);
   events.warn("overload", objects.describe(bodies.object[worst.body]) + text, bodies.object[worst.body]);
 }
 

@@ -10,8 +10,8 @@ namespace feder {
 namespace {
 
 constexpr int kFixedColor = 48;  // colours from here on: contacts against immovable bodies, solved last
-// In ContactShared::crowd immovable bodies count kSupport: with 1/2 a heavy crate on a light one oscillates for twice as
-// long, with 1 a tower sinks a twentieth deeper.
+// In ContactShared::crowd immovable bodies count kSupport: with 1/2 a heavy crate on a light one oscillates for twice
+// as long, with 1 a tower sinks a twentieth deeper.
 constexpr Real kSupport = 0.75;
 // batches per job
 constexpr JobGrain kSolveGrain{8, 2'500}, kStoreGrain{8, 1'000};

@@ -18,8 +18,8 @@ inline constexpr Real kCrowd = 1.25;
 // What the groups of a step share, by solver index.
 struct ContactShared {
   const WideMass* masses = nullptr;
-  Real* crowd = nullptr;             // stiffness of a body's contacts over its mass: 1 in a tower, 2 in a pyramid
-  std::uint64_t* colors = nullptr;   // bits: those that a body has
+  Real* crowd = nullptr;            // stiffness of a body's contacts over its mass: 1 in a tower, 2 in a pyramid
+  std::uint64_t* colors = nullptr;  // bits: those that a body has
 };
 
 class ContactGroup {

@@ -67,10 +67,11 @@ struct ContactLoad {
 struct IslandLoad {
   Real by_weight = 0, by_impulse = 0;
   std::uint64_t contacts = 0;
-  int wanted = 0;           // level
-  std::uint8_t before = 0;  // level in the last step
-  std::uint8_t calm = 255;  // steps since when a lower one would do
-  bool apart = false;       // has joints or net points
+  int wanted = 0;            // level
+  std::uint8_t before = 0;   // level in the last step
+  std::int8_t trend = -128;  // as level_trend
+  bool hard = false;         // has contacts that may need more pieces
+  bool apart = false;        // has joints or net points
 };
 
 struct Rigid::Impl {
@@ -244,7 +245,7 @@ struct Rigid::Impl {
   Array<Vec3> inv_moments{&arena};            // about them, 1/(kg m^2)
   Array<Real> spin_invariant{&arena};         // of a free rotation, see SpinBatch, J
   Array<std::uint8_t> level{&arena};          // its substeps are done in 2^level pieces
-  Array<std::uint8_t> level_calm{&arena};     // steps since when a lower level would do
+  Array<std::int8_t> level_trend{&arena};     // steps since when it asks for a higher level, or, below 0, for a lower
   Array<std::uint8_t> sleep_candidate{&arena};  // slow enough to sleep (two thresholds)
   Array<std::uint32_t> next_in_island{&arena};  // ring of a sleeping island
   UnionFind islands{arena};                     // of the bodies that are awake
@@ -263,7 +264,7 @@ struct Rigid::Impl {
   template <class S, class F>
   static void each_saved_array(S& s, F&& f) {
     for_each_of(f, s.volume, s.core_depth, s.area, s.asymmetric, s.kept_momentum, s.kept_angular_velocity, s.principal,
-                s.inv_moments, s.spin_invariant, s.level, s.level_calm, s.sleep_candidate, s.next_in_island);
+                s.inv_moments, s.spin_invariant, s.level, s.level_trend, s.sleep_candidate, s.next_in_island);
   }
   template <class S, class F>
   static void each_saved(S& s, F&& f);  // rigid.cpp
