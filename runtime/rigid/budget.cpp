@@ -2,10 +2,11 @@
 // the square of the substep rate (rigid/solver.h), so a light body under a heavy one sinks in, by x = F / (m w^2).
 // Islands in which one would sink by more than kHolds of a body's thickness do their substeps in 2^level pieces, as
 // many as the weights on each other and the loads of the last step ask for, and the budget allows. What gives way all
-// the same, by more than kSinks, says so once per world. Islands with joints or net points have one piece. Kept between
-// steps: the level of each body. It falls only when less would do for kCalmSteps: each change under a load that swings
-// would drive it. Weak spot: more pieces under a load that has sunk in already set its energy free; a moving kinematic
-// body stands still during the pieces of a substep.
+// the same, by more than kSinks, says so once per world. Likewise where joints pull light bodies so that they would
+// swing faster than a substep can follow. Islands with net points, or on joints to kinematic bodies, have one piece.
+// Kept between steps: the level of each body. It falls only when less would do for kCalmSteps: each change under a load
+// that swings would drive it. Weak spot: more pieces under a load that has sunk in already set its energy free; a
+// moving kinematic body stands still during the pieces of a substep.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -20,6 +21,11 @@ namespace {
 
 constexpr Real kHolds = Real(0.01);         // of the thickness of the thinner body
 constexpr Real kLooks = Real(0.001);        // what one weight sinks by, times ratio^2 - 1 of the masses: sum them
+constexpr Real kSwings = Real(0.7);         // (h w)^2 of a link across a tension, with one piece
+constexpr Real kLeastSwings = Real(2.2);    // below, one piece is enough
+constexpr Real kLeastHangs = 1;             // (h w)^2 under the weight of the heaviest: with less, impacts alone do it
+constexpr Real kSnaps = 4;                  // weights: tension of what is slack at times
+constexpr Real kLeastLink = Real(1e-6);     // m
 constexpr int kCalmSteps = 30;              // a lower level must do for so long
 constexpr int kHotSteps = 4;                // where weights ask for none, loads must do so for so long: impacts do not
 constexpr std::uint64_t kMostExtra = 2048;  // pieces times contacts of a world beyond its substeps
@@ -75,11 +81,43 @@ Real Rigid::Impl::weight_of(const Pile& pile) const {
   return bodies.mass[pile.upper] * std::max(bodies.gravity_scale[pile.upper], Real(0)) * pile.gravity;
 }
 
-// What the active contacts of hard islands join, in their order; counts the contacts of these by root.
+// By body: the square of the pieces that the tension of its joints asks for. A light body between two others swings
+// across them with w^2 = 2 sum(F / l) / m, l the length of a link, and h w > 2 is unstable. Null: none asks for any.
+const JointNeed* Rigid::Impl::joint_needs(StepContext& c) {
+  if (active_joints.empty()) return nullptr;
+  JointNeed* need = c.scratch->take<JointNeed>(bodies.size());
+  for (const std::uint32_t i : moving) need[i] = {};
+  bool any = false;
+  for (const std::uint32_t j : active_joints) {
+    const JointRecord& r = records[j];
+    const SolverJoint& joint = joints[j];
+    if (!bodies.moves(r.body_a) || !bodies.moves(r.body_b)) continue;
+    Real squares = 0;
+    for (int k = 0; k < std::min<int>(joint.rows, 3); ++k) squares += joint.impulse[k] * joint.impulse[k];
+    const Real link = length(Vec3(bodies.position[r.body_a] - bodies.position[r.body_b]));
+    if (!(link > kLeastLink)) continue;
+    const Real force = std::sqrt(squares) / c.h;
+    for (const std::uint32_t i : {r.body_a, r.body_b}) {
+      const Real per_force = 2 * c.h * c.h * bodies.inv_mass[i] / (link * kSwings);
+      need[i].per_force += per_force;
+      need[i].now += per_force * force;
+      any = any || level[i] > 0 || need[i].now > kLeastSwings / kSwings;
+    }
+  }
+  return any ? need : nullptr;
+}
+
+// What the active contacts of hard islands join, in their order; counts these and joints by root.
 std::span<Rigid::Impl::Pile> Rigid::Impl::list_piles(IslandLoad* by_root, StepContext& c) {
+  const auto drives = [&](std::uint32_t i) { return i != kNone && bodies.type[i] == BodyType::kinematic; };
   for (const std::uint32_t j : active_joints)
-    for (const std::uint32_t i : {records[j].body_a, records[j].body_b})
-      if (records[j].alive && bodies.moves(i)) by_root[islands.root(i)].apart = true;
+    for (const std::uint32_t i : {records[j].body_a, records[j].body_b}) {
+      if (!bodies.moves(i)) continue;
+      IslandLoad& island = by_root[islands.root(i)];
+      if (drives(records[j].body_a) || drives(records[j].body_b)) island.apart = true;
+      island.jointed = true;
+      ++island.contacts;
+    }
   Pile* list = c.scratch->take<Pile>(contacts.active.size());
   std::size_t count = 0;
   for (const std::uint32_t slot : contacts.active) {
@@ -151,7 +189,8 @@ void Rigid::Impl::choose_levels(StepContext& c) {
     if (load.body == kNone || !bodies.moves(load.body)) continue;
     if (load.sinks > kHolds || (load.ratio * load.ratio - 1) * load.by_weight > kLooks) hard[hard_count++] = load.body;
   }
-  bool any = hard_count > 0;
+  const JointNeed* by_joints = joint_needs(c);
+  bool any = hard_count > 0 || by_joints;
   for (const std::uint32_t i : moving) any = any || level[i] > 0;
   if (!any) return;
   join_islands();
@@ -163,6 +202,11 @@ void Rigid::Impl::choose_levels(StepContext& c) {
     island.hard = island.hard || level[i] > 0;
     island.before = std::max(island.before, level[i]);
     island.trend = std::max(island.trend, level_trend[i]);
+    if (!by_joints) continue;
+    island.by_joints = std::max(island.by_joints, by_joints[i].now);
+    island.per_force = std::max(island.per_force, by_joints[i].per_force);
+    if (by_joints[i].per_force > 0) island.mass = std::max(island.mass, bodies.mass[i]);
+    island.hard = island.hard || by_joints[i].now > kLeastSwings / kSwings;
   }
   const std::span<const Pile> piles = list_piles(by_root, c);
   carried = carried_weights(piles, c);
@@ -172,6 +216,7 @@ void Rigid::Impl::choose_levels(StepContext& c) {
     if (load.body == kNone) continue;
     IslandLoad& island = by_root[islands.root(bodies.moves(pile.upper) ? pile.upper : pile.lower)];
     const Real crowded = (1 + spring.crowd * std::max(crowd[load.body] - 1, Real(0))) / kHolds;
+    if (island.jointed) continue;
     island.by_weight = std::max(island.by_weight, load.by_weight * crowded);
     island.by_impulse = std::max(island.by_impulse, load.sinks * crowded);
   }
@@ -191,7 +236,12 @@ void Rigid::Impl::share_out(IslandLoad* by_root, StepContext& c) {
     if (islands.root(i) != i) continue;
     IslandLoad& island = by_root[i];
     const int before = island.before;
-    const int by_weight = level_for(island.by_weight), by_impulse = level_for(island.by_impulse);
+    // A tension grows from step to step, and must not be waited for: not either when what was slack is taut again.
+    const Real hangs = island.per_force * island.mass * length(c.gravity);
+    if (hangs * kSwings < kLeastHangs) island.by_joints = 0;
+    if (before > 0 && island.by_joints > 0) island.by_joints = std::max(island.by_joints, kSnaps * hangs);
+    const int by_weight = std::max(level_for(island.by_weight), level_for(island.by_joints));
+    const int by_impulse = level_for(island.by_impulse);
     if (island.apart || island.contacts > kMostExtra) {
       island.wanted = island.trend = 0;
       continue;
@@ -206,7 +256,9 @@ void Rigid::Impl::share_out(IslandLoad* by_root, StepContext& c) {
     if (island.trend < -kCalmSteps) island.trend = 0, --island.wanted;
     if (island.wanted > 0) order[count++] = i;
   }
-  const auto need = [&](std::uint32_t i) { return std::max(by_root[i].by_weight, by_root[i].by_impulse); };
+  const auto need = [&](std::uint32_t i) {
+    return std::max({by_root[i].by_weight, by_root[i].by_impulse, by_root[i].by_joints});
+  };
   std::sort(order, order + count, [&](std::uint32_t a, std::uint32_t b) {
     return std::make_tuple(-by_root[a].wanted, -need(a), a) < std::make_tuple(-by_root[b].wanted, -need(b), b);
   });

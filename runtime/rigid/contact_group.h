@@ -44,8 +44,6 @@ class ContactGroup {
   bool empty() const { return batch_count_ == 0; }
   bool bounces() const { return strikes_ != nullptr; }
 
-  std::span<const std::uint32_t> bodies;  // solver indices; of the first group: empty for all that is in no other
-
  private:
   static constexpr int kColors = 64;
   void color(const SolverInput& in, StepContext& c, const ContactShared& shared, std::span<const std::uint32_t> slots);

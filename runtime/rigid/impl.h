@@ -63,15 +63,22 @@ struct ContactLoad {
   Real pull = 0;                          // the weights on it over its mass, m/s^2
 };
 
+// What the joints of a body ask for: the square of the pieces, at their forces now and per newton, 1/N.
+struct JointNeed {
+  Real now = 0, per_force = 0;
+};
+
 // What the contacts of an island carry. Needs are squares of the pieces of a substep.
 struct IslandLoad {
-  Real by_weight = 0, by_impulse = 0;
-  std::uint64_t contacts = 0;
-  int wanted = 0;            // level
-  std::uint8_t before = 0;   // level in the last step
-  std::int8_t trend = -128;  // as level_trend
-  bool hard = false;         // has contacts that may need more pieces
-  bool apart = false;        // has joints or net points
+  Real by_weight = 0, by_impulse = 0, by_joints = 0;
+  Real per_force = 0, mass = 0;  // largest of JointNeed, 1/N; of the heaviest body on joints, kg
+  std::uint64_t contacts = 0;    // and joints
+  int wanted = 0;                // level
+  std::uint8_t before = 0;       // level in the last step
+  std::int8_t trend = -128;      // as level_trend
+  bool hard = false;             // has contacts that may need more pieces
+  bool jointed = false;          // has joints: only these count
+  bool apart = false;            // has net points, or joints to kinematic bodies
 };
 
 struct Rigid::Impl {
@@ -157,6 +164,7 @@ struct Rigid::Impl {
   Pile pile_of(const Contact& contact, const Vec3& gravity) const;
   Real weight_of(const Pile& pile) const;
   ContactLoad load_of(const Contact& contact, Real rate, const StepContext& c) const;
+  const JointNeed* joint_needs(StepContext& c);
   std::span<Pile> list_piles(IslandLoad* by_root, StepContext& c);
   const Real* carried_weights(std::span<const Pile> piles, StepContext& c);
   const Real* crowds(std::span<const Pile> piles, StepContext& c);

@@ -51,8 +51,9 @@ class SoftStep final : public RigidSolver {
         push_speed_(p.real({"push_speed", "m/s", {0, 1e6}}, 3)),
         bounce_speed_(p.real({"bounce_speed", "m/s", {0, 1e6}}, 0.02)),
         bounce_rounds_(p.integer({"bounce_rounds", "", {1, 100}}, 4)),
-        joints_(arena, p.real({"joint_hertz", "Hz", {0.1, 1e5}}, 60), p.real({"joint_damping", "", {0, 1e3}}, 2),
-                push_speed_, p.flag({"joint_trees"}, true), joint_kernels(wide_kernels(p))) {}
+        joint_hertz_(p.real({"joint_hertz", "Hz", {0.1, 1e5}}, 60)),
+        joint_damping_(p.real({"joint_damping", "", {0, 1e3}}, 2)), joint_trees_(p.flag({"joint_trees"}, true)),
+        arena_(arena), joint_kernels_(joint_kernels(wide_kernels(p))) {}
 
   void prepare(const SolverInput& in, StepContext& c) override;
   void solve(const SolverInput& in, StepContext& c) override;
@@ -61,6 +62,16 @@ class SoftStep final : public RigidSolver {
   bool wide() const override { return kernels_ != &kContactKernelsPlain; }
 
  private:
+  // What is solved together: contacts, joints (null: there never were any of this level) and the bodies they push.
+  struct Group {
+    ContactGroup contacts;
+    std::unique_ptr<SoftJoints> soft_joints;
+    std::span<const std::uint32_t> joints;  // indices into SolverInput::joints, ascending
+    std::span<const std::uint32_t> bodies;  // solver indices, ascending; not listed where all are in the first group
+    int level = 0;
+    int pieces() const { return 1 << level; }
+    bool used() const { return level == 0 || !bodies.empty(); }
+  };
   // A substep of a group, or a piece of it.
   struct Piece {
     Real h;           // s
@@ -69,34 +80,47 @@ class SoftStep final : public RigidSolver {
   };
   // Calls f(i) for the solver bodies of a group but the world, in parallel.
   template <class F>
-  void each_body(const ContactGroup& g, StepContext& c, F&& f) {
-    const std::uint32_t count = static_cast<std::uint32_t>(split() ? g.bodies.size() : body_count_);
+  void each_body(const Group& g, StepContext& c, F&& f) {
+    const std::uint32_t count = static_cast<std::uint32_t>(split_ ? g.bodies.size() : body_count_);
     c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      if (split())
+      if (split_)
         for (std::uint32_t n = first; n < last; ++n) f(g.bodies[n]);
       else
         for (std::uint32_t i = std::max(first, 1u); i < last; ++i) f(i);
     });
   }
-  bool split() const { return group_count_ > 1; }
   void make_groups(const SolverInput& in, StepContext& c);
-  void start_velocities(ContactGroup& g, const Piece& piece, const SolverInput& in, StepContext& c);
-  void integrate(ContactGroup& g, const Piece& piece, const SolverInput& in, StepContext& c);
-  void end_velocities(ContactGroup& g, const SolverInput& in, StepContext& c);
-  void report_corrections(const SolverInput& in, StepContext& c);
-  ContactPass pass(const ContactGroup& g, const Piece& piece, const SolverInput& in, const StepContext& c) const;
-  void strike(ContactGroup& g, const Piece& piece, const SolverInput& in, StepContext& c);
+  void prepare_contacts(const SolverInput& in, StepContext& c);
+  void prepare_joints(Group& g, const SolverInput& in, StepContext& c);
+  void start_velocities(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
+  void integrate(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
+  void end_velocities(Group& g, const SolverInput& in, StepContext& c);
+  void report_corrections(const Group& g, const Piece& piece, const SolverInput& in);
+  ContactPass pass(const Group& g, const Piece& piece, const SolverInput& in, const StepContext& c) const;
+  void strike(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
   template <class F>
-  void keep_out(const ContactGroup& g, const SolverInput& in, StepContext& c, F&& f);
-  void solve_piece(ContactGroup& g, const Piece& piece, const SolverInput& in, StepContext& c);
-  void solve_in_pieces(ContactGroup& g, const SolverInput& in, StepContext& c);
+  void keep_out(const Group& g, const SolverInput& in, StepContext& c, F&& f);
+  static SolverInput part(const Group& g, const SolverInput& in) {
+    SolverInput own = in;
+    own.active_joints = g.joints;
+    return own;
+  }
+  static void scale_impulses(const Group& g, const SolverInput& in, Real by) {
+    for (const std::uint32_t j : g.joints)
+      for (Real& impulse : in.joints[j].impulse) impulse *= by;
+  }
+  void solve_piece(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
+  void solve_in_pieces(Group& g, const SolverInput& in, StepContext& c);
 
   const ContactKernels* kernels_;
   Real contact_hertz_, contact_damping_, contact_cap_, push_speed_, bounce_speed_;
   int bounce_rounds_;
-  SoftJoints joints_;
-  ContactGroup groups_[kLevels];  // the first has all joints, and one piece
-  int group_count_ = 1;
+  Real joint_hertz_, joint_damping_;
+  bool joint_trees_;
+  Arena& arena_;
+  const JointKernels& joint_kernels_;
+  Group groups_[kLevels];  // by level; the first has one piece
+  bool split_ = false;     // there are others than the first
 
   // in the step's scratch memory
   ContactShared shared_;
@@ -104,6 +128,7 @@ class SoftStep final : public RigidSolver {
   Real* contact_change_ = nullptr;  // velocity change by contacts in the last substep, 6 per solver body
   Real* kept_ = nullptr;            // of bodies in pieces: velocities at the end of the last substep, 6 per solver body
   Real* push_ = nullptr;            // and what changed them since, per piece
+  Vec3d* kept_momentum_ = nullptr;  // of uneven jointed bodies: angular momenta likewise, N m s
   std::size_t body_count_ = 0, contact_count_ = 0;  // when the step was prepared
 };
 
@@ -115,11 +140,10 @@ bool movable(const SolverMass& m) {
   return m.inv_mass > 0 || m.inv_inertia(0, 0) > 0 || m.inv_inertia(1, 1) > 0 || m.inv_inertia(2, 2) > 0;
 }
 
-ContactPass SoftStep::pass(const ContactGroup& g, const Piece& piece, const SolverInput& in,
-                           const StepContext& c) const {
+ContactPass SoftStep::pass(const Group& g, const Piece& piece, const SolverInput& in, const StepContext& c) const {
   FEDER_ASSERT(in.solver_bodies->state.size() ==
                body_count_);  // masses and batches are those of the solver bodies of prepare
-  ContactPass p = g.pass();
+  ContactPass p = g.contacts.pass();
   p.bodies = reinterpret_cast<Real*>(in.solver_bodies->state.data());
   p.masses = shared_.masses;
   p.h = piece.h;
@@ -138,38 +162,48 @@ ContactSpring SoftStep::contact_spring(Real h) const {
   return {2 * kPi * std::min(contact_hertz_, contact_cap_ / h), kCrowd};
 }
 
-// Contacts and solver bodies by level; without levels all are in the first group.
+// Contacts, joints and solver bodies by level; without levels all are in the first group.
 void SoftStep::make_groups(const SolverInput& in, StepContext& c) {
-  const Contacts& contacts = *in.contacts;
-  group_count_ = 1;
-  if (in.levels.empty()) {
-    groups_[0].build(in, c, shared_, {contacts.active.data(), contacts.active.size()}, 0);
+  const std::span<const std::uint32_t> active = {in.contacts->active.data(), in.contacts->active.size()};
+  split_ = !in.levels.empty();
+  for (int level = 0; level < kLevels; ++level) groups_[level].level = level, groups_[level].bodies = {};
+  if (!split_) {
+    for (int level = 1; level < kLevels; ++level) groups_[level].joints = {};
+    groups_[0].joints = in.active_joints;
+    groups_[0].contacts.build(in, c, shared_, active, 0);
     return;
   }
   FEDER_ASSERT(in.levels.size() == body_count_);
-  std::uint32_t* slots = c.scratch->take<std::uint32_t>(contacts.active.size());
-  std::uint32_t* bodies = c.scratch->take<std::uint32_t>(body_count_);
   const auto level_of = [&](std::uint32_t slot) {
-    const Contact& contact = contacts.slots[slot];
+    const Contact& contact = in.contacts->slots[slot];
     return std::max(in.levels[in.solver_index(contact.collider_a)], in.levels[in.solver_index(contact.collider_b)]);
   };
-  std::size_t slot_count = 0, listed = 0;
-  group_count_ = 0;
+  const auto level_of_joint = [&](std::uint32_t j) {
+    const JointInput joint = in.joint_input(in.joints[j]);
+    return std::max(in.levels[joint.index_a], in.levels[joint.index_b]);
+  };
+  // those of `count` numbers whose level it is, in their order
+  const auto of_level = [&](int level, std::size_t count, auto&& number, auto&& its_level) {
+    std::uint32_t* list = c.scratch->take<std::uint32_t>(count);
+    std::size_t listed = 0;
+    for (std::size_t n = 0; n < count; ++n)
+      if (its_level(number(n)) == level) list[listed++] = number(n);
+    return std::span<const std::uint32_t>(list, listed);
+  };
   for (int level = 0; level < kLevels; ++level) {
-    const std::size_t first_slot = slot_count, first_body = listed;
-    for (std::uint32_t i = 1; i < body_count_; ++i)
-      if (in.levels[i] == level) bodies[listed++] = i;
-    for (const std::uint32_t slot : contacts.active)
-      if (level_of(slot) == level) slots[slot_count++] = slot;
-    if (level > 0 && listed == first_body) continue;
-    ContactGroup& g = groups_[group_count_++];
-    g.build(in, c, shared_, {slots + first_slot, slot_count - first_slot}, level);
-    g.bodies = {bodies + first_body, listed - first_body};
+    Group& g = groups_[level];
+    g.bodies = of_level(
+        level, body_count_ - 1, [](std::size_t n) { return static_cast<std::uint32_t>(n + 1); },
+        [&](std::uint32_t i) { return in.levels[i]; });
+    g.joints = {};
+    if (!g.used()) continue;
+    g.joints = of_level(
+        level, in.active_joints.size(), [&](std::size_t n) { return in.active_joints[n]; }, level_of_joint);
+    g.contacts.build(in, c, shared_,
+                     of_level(
+                         level, active.size(), [&](std::size_t n) { return active[n]; }, level_of),
+                     level);
   }
-  FEDER_ASSERT(slot_count == contacts.active.size() && listed + 1 == body_count_);
-  kept_ = c.scratch->take<Real>(body_count_ * 6);
-  push_ = c.scratch->take<Real>(body_count_ * 6);
-  for (std::size_t i = 0; i < body_count_; ++i) put_velocity(in.solver_bodies->state[i], kept_ + i * 6);
 }
 
 void SoftStep::prepare(const SolverInput& in, StepContext& c) {
@@ -179,45 +213,67 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   body_count_ = body_count, contact_count_ = in.contacts->active.size();
   before_ = c.scratch->take<Real>(std::size_t(body_count) * 6);
   contact_change_ = c.scratch->take<Real>(std::size_t(body_count) * 6);
-  if (!in.active_joints.empty())
-    joints_.prepare(in, c, !in.contacts->active.empty());
-  else if (!joints_.is_clear())
-    joints_.clear();
-  group_count_ = 1;
-  groups_[0].build(in, c, shared_, {}, 0);
-  if (in.contacts->active.empty()) return;
-  // masses in the order of the kernels
-  WideMass* masses = c.scratch->take<WideMass>(body_count);
-  for (std::uint32_t i = 0; i < body_count; ++i) {
-    const SolverMass& m = solver_bodies.mass[i];
-    const Mat3& j = m.inv_inertia;
-    masses[i] = {{m.inv_mass_axes[0], m.inv_mass_axes[1], m.inv_mass_axes[2]},
-                 {j(0, 0), j(1, 1), j(2, 2), j(0, 1), j(0, 2), j(1, 2)},
-                 Real(movable(m) ? 1 : 0),
-                 {}};
+  if (contact_count_ > 0) {
+    // masses in the order of the kernels
+    WideMass* masses = c.scratch->take<WideMass>(body_count);
+    for (std::uint32_t i = 0; i < body_count; ++i) {
+      const SolverMass& m = solver_bodies.mass[i];
+      const Mat3& j = m.inv_inertia;
+      masses[i] = {{m.inv_mass_axes[0], m.inv_mass_axes[1], m.inv_mass_axes[2]},
+                   {j(0, 0), j(1, 1), j(2, 2), j(0, 1), j(0, 2), j(1, 2)},
+                   Real(movable(m) ? 1 : 0),
+                   {}};
+    }
+    shared_ = {masses, c.scratch->take<Real>(body_count), c.scratch->take<std::uint64_t>(body_count)};
+    std::fill_n(shared_.crowd, body_count, Real(0));
+    std::fill_n(shared_.colors, body_count, std::uint64_t(0));
   }
-  shared_ = {masses, c.scratch->take<Real>(body_count), c.scratch->take<std::uint64_t>(body_count)};
-  std::fill_n(shared_.crowd, body_count, Real(0));
-  std::fill_n(shared_.colors, body_count, std::uint64_t(0));
-  // colours, then batches
   make_groups(in, c);
-  for (int n = 0; n < group_count_; ++n) {
-    ContactGroup& g = groups_[n];
+  for (Group& g : groups_) prepare_joints(g, in, c);
+  if (contact_count_ > 0) prepare_contacts(in, c);
+  if (!split_) return;
+  kept_ = c.scratch->take<Real>(body_count_ * 6);
+  push_ = c.scratch->take<Real>(body_count_ * 6);
+  for (std::size_t i = 0; i < body_count_; ++i) put_velocity(in.solver_bodies->state[i], kept_ + i * 6);
+  kept_momentum_ = in.jointed.empty() ? nullptr : c.scratch->take<Vec3d>(body_count_);
+  for (std::uint32_t i = 0; i < in.jointed.size(); ++i)
+    if (const JointedBody* j = in.uneven(i))
+      kept_momentum_[i] = carried_momentum(*j, in.solver_bodies->state[i], in.solver_bodies->mass[i]);
+}
+
+// Impulses of joints, too, are kept per substep.
+void SoftStep::prepare_joints(Group& g, const SolverInput& in, StepContext& c) {
+  if (g.joints.empty()) {
+    if (g.soft_joints && !g.soft_joints->is_clear()) g.soft_joints->clear();
+    return;
+  }
+  if (!g.soft_joints)
+    g.soft_joints =
+        std::make_unique<SoftJoints>(arena_, joint_hertz_, joint_damping_, push_speed_, joint_trees_, joint_kernels_);
+  if (g.level > 0) scale_impulses(g, in, Real(1) / static_cast<Real>(g.pieces()));
+  StepContext piece = c;
+  piece.h = c.h / static_cast<Real>(g.pieces());
+  g.soft_joints->prepare(part(g, in), piece, !in.contacts->active.empty());
+}
+
+void SoftStep::prepare_contacts(const SolverInput& in, StepContext& c) {
+  for (Group& g : groups_) {
+    if (!g.used()) continue;
     const ContactPass p = pass(g, {c.h / static_cast<Real>(g.pieces()), true, 0}, in, c);
-    c.jobs->for_blocks(g.batch_count(), kFillGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      g.fill(in, shared_, c.gravity, first, last);
+    c.jobs->for_blocks(g.contacts.batch_count(), kFillGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      g.contacts.fill(in, shared_, c.gravity, first, last);
       ContactPass part = p;
       part.first = first, part.last = last;
       kernels_->prepare(part);
     });
-    if (g.any_bounces()) g.expect_strikes(c);
+    if (g.contacts.any_bounces()) g.contacts.expect_strikes(c);
   }
 }
 
-void SoftStep::start_velocities(ContactGroup& g, const Piece& piece, const SolverInput& in, StepContext& c) {
+void SoftStep::start_velocities(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
   FEDER_ASSERT(before_);
   SolverBody* state = in.solver_bodies->state.data();
-  const bool again = !piece.first && !g.empty();
+  const bool again = !piece.first && !g.contacts.empty();
   each_body(g, c, [&](std::uint32_t i) {
     Real* before = before_ + std::size_t(i) * 6;
     const Real* change = contact_change_ + std::size_t(i) * 6;
@@ -231,7 +287,7 @@ void SoftStep::start_velocities(ContactGroup& g, const Piece& piece, const Solve
   });
 }
 
-void SoftStep::end_velocities(ContactGroup& g, const SolverInput& in, StepContext& c) {
+void SoftStep::end_velocities(Group& g, const SolverInput& in, StepContext& c) {
   const SolverBody* state = in.solver_bodies->state.data();
   each_body(g, c, [&](std::uint32_t i) {
     const Real* before = before_ + std::size_t(i) * 6;
@@ -250,10 +306,10 @@ Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, const SolverMass&
   return rotate_jointed(j, h);
 }
 
-void SoftStep::integrate(ContactGroup& g, const Piece& piece, const SolverInput& in, StepContext& c) {
+void SoftStep::integrate(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
   SolverBody* state = in.solver_bodies->state.data();
   const Real h = piece.h;
-  const std::span<const BodySlide> slides = joints_.slides();
+  const std::span<const BodySlide> slides = g.joints.empty() ? std::span<const BodySlide>() : g.soft_joints->slides();
   FEDER_ASSERT(slides.empty() || slides.size() == body_count_);
   each_body(g, c, [&](std::uint32_t i) {
     SolverBody& s = state[i];
@@ -271,14 +327,14 @@ void SoftStep::integrate(ContactGroup& g, const Piece& piece, const SolverInput&
 }
 
 // Rotation by bias velocities, which the relax pass removed from the velocity.
-void SoftStep::report_corrections(const SolverInput& in, StepContext& c) {
-  for (std::uint32_t i = 1; i < in.jointed.size(); ++i)
+void SoftStep::report_corrections(const Group& g, const Piece& piece, const SolverInput& in) {
+  for (const std::uint32_t i : g.soft_joints->bodies())
     if (JointedBody* j = in.uneven(i))
-      j->correction = c.h * (j->drift_angular_velocity - in.solver_bodies->state[i].angular_velocity);
+      j->correction = piece.h * (j->drift_angular_velocity - in.solver_bodies->state[i].angular_velocity);
 }
 
 // What impacts change is no part of the warm start of the next substep: `before_` moves along.
-void SoftStep::strike(ContactGroup& g, const Piece& piece, const SolverInput& in, StepContext& c) {
+void SoftStep::strike(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
   SolverBody* state = in.solver_bodies->state.data();
   if (piece.first)
     each_body(g, c, [&](std::uint32_t i) {
@@ -290,10 +346,10 @@ void SoftStep::strike(ContactGroup& g, const Piece& piece, const SolverInput& in
   const ContactPass p = pass(g, piece, in, c);
   bool acted = false;
   for (int wave = 0; wave < kStrikeWaves; ++wave) {
-    g.run(kernels_->mark, p, *c.jobs);
-    if (!g.any_strikes()) break;
+    g.contacts.run(kernels_->mark, p, *c.jobs);
+    if (!g.contacts.any_strikes()) break;
     acted = true;
-    for (int round = 0; round < bounce_rounds_; ++round) g.run(kernels_->strike, p, *c.jobs);
+    for (int round = 0; round < bounce_rounds_; ++round) g.contacts.run(kernels_->strike, p, *c.jobs);
   }
   if (!acted) return;
   each_body(g, c, [&](std::uint32_t i) {
@@ -306,11 +362,11 @@ void SoftStep::strike(ContactGroup& g, const Piece& piece, const SolverInput& in
 
 // What `f` changes, by joints, is no part of the warm start of the next substep either.
 template <class F>
-void SoftStep::keep_out(const ContactGroup& g, const SolverInput& in, StepContext& c, F&& f) {
-  const std::span<const std::uint32_t> bodies = joints_.bodies();
+void SoftStep::keep_out(const Group& g, const SolverInput& in, StepContext& c, F&& f) {
+  const std::span<const std::uint32_t> bodies = g.soft_joints->bodies();
   const SolverBody* state = in.solver_bodies->state.data();
   const auto each = [&](const auto& change) {
-    if (g.empty()) return;
+    if (g.contacts.empty()) return;
     c.jobs->for_blocks(static_cast<std::uint32_t>(bodies.size()), kBodyGrain,
                        [&](std::uint32_t first, std::uint32_t last, int) {
                          for (std::uint32_t n = first; n < last; ++n) change(bodies[n]);
@@ -331,55 +387,77 @@ void SoftStep::keep_out(const ContactGroup& g, const SolverInput& in, StepContex
   });
 }
 
-void SoftStep::solve_piece(ContactGroup& g, const Piece& piece, const SolverInput& in, StepContext& c) {
+void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
   start_velocities(g, piece, in, c);
   const auto run = [&](void (*kernel)(const ContactPass&)) {
-    if (!g.empty()) g.run(kernel, pass(g, piece, in, c), *c.jobs);
+    if (!g.contacts.empty()) g.contacts.run(kernel, pass(g, piece, in, c), *c.jobs);
   };
   if (piece.first) run(kernels_->warm_start);
-  if (g.bounces()) strike(g, piece, in, c);
-  const bool jointed = !in.active_joints.empty() && g.level() == 0;
-  if (jointed) keep_out(g, in, c, [&] { joints_.solve(in, c); });
+  if (g.contacts.bounces()) strike(g, piece, in, c);
+  const bool jointed = !g.joints.empty();
+  const SolverInput own = part(g, in);
+  StepContext time = c;
+  time.h = piece.h, time.substep = static_cast<int>(piece.k);
+  if (jointed) keep_out(g, in, c, [&] { g.soft_joints->solve(own, time); });
   run(kernels_->solve);
   integrate(g, piece, in, c);
-  if (jointed) keep_out(g, in, c, [&] { joints_.relax(in, c); });
-  if (jointed && !joints_.all_direct()) report_corrections(in, c);
+  if (jointed) keep_out(g, in, c, [&] { g.soft_joints->relax(own, time); });
+  if (jointed && !g.soft_joints->all_direct()) report_corrections(g, piece, in);
   run(kernels_->relax);
-  if (!g.empty()) end_velocities(g, in, c);
+  if (!g.contacts.empty()) end_velocities(g, in, c);
 }
 
-void SoftStep::solve_in_pieces(ContactGroup& g, const SolverInput& in, StepContext& c) {
+// What changed the velocities since the last substep, and the momenta of uneven jointed bodies, comes in equal parts.
+void SoftStep::solve_in_pieces(Group& g, const SolverInput& in, StepContext& c) {
   const std::uint32_t count = static_cast<std::uint32_t>(g.pieces());
-  const Real share = Real(1) / static_cast<Real>(count);
+  const Real share = Real(1) / static_cast<Real>(count), h = share * c.h;
   SolverBody* state = in.solver_bodies->state.data();
+  Vec3d* given = kept_momentum_ ? c.scratch->take<Vec3d>(body_count_) : nullptr;
   each_body(g, c, [&](std::uint32_t i) {
     Real* kept = kept_ + std::size_t(i) * 6;
     Real* push = push_ + std::size_t(i) * 6;
     put_velocity(state[i], push);
     for (int k = 0; k < 6; ++k) push[k] = share * (push[k] - kept[k]);
     for (int k = 0; k < 3; ++k) state[i].velocity[k] = kept[k], state[i].angular_velocity[k] = kept[k + 3];
+    if (const JointedBody* j = in.uneven(i)) given[i] = static_cast<double>(share) * (j->momentum - kept_momentum_[i]);
   });
   const std::uint32_t done = static_cast<std::uint32_t>(c.substep) * count;
   for (std::uint32_t n = 0; n < count; ++n) {
     each_body(g, c, [&](std::uint32_t i) {
       const Real* push = push_ + std::size_t(i) * 6;
-      for (int k = 0; k < 3; ++k) state[i].velocity[k] += push[k], state[i].angular_velocity[k] += push[k + 3];
+      for (int k = 0; k < 3; ++k) state[i].velocity[k] += push[k];
+      if (JointedBody* j = in.uneven(i)) {
+        if (n > 0) kept_momentum_[i] = carried_momentum(*j, state[i], in.solver_bodies->mass[i]);
+        start_jointed(*j, kept_momentum_[i] + given[i], h, state[i]);
+        return;
+      }
+      for (int k = 0; k < 3; ++k) state[i].angular_velocity[k] += push[k + 3];
     });
-    solve_piece(g, {share * c.h, done + n == 0, done + n}, in, c);
+    solve_piece(g, {h, done + n == 0, done + n}, in, c);
   }
-  each_body(g, c, [&](std::uint32_t i) { put_velocity(state[i], kept_ + std::size_t(i) * 6); });
+  each_body(g, c, [&](std::uint32_t i) {
+    put_velocity(state[i], kept_ + std::size_t(i) * 6);
+    if (const JointedBody* j = in.uneven(i))
+      kept_momentum_[i] = carried_momentum(*j, state[i], in.solver_bodies->mass[i]);
+  });
 }
 
 void SoftStep::solve(const SolverInput& in, StepContext& c) {
-  for (int n = 1; n < group_count_; ++n) solve_in_pieces(groups_[n], in, c);
+  for (int level = 1; level < kLevels && split_; ++level)
+    if (groups_[level].used()) solve_in_pieces(groups_[level], in, c);
   const std::uint32_t k = static_cast<std::uint32_t>(c.substep);
   solve_piece(groups_[0], {c.h, k == 0, k}, in, c);
 }
 
 void SoftStep::finish(const SolverInput& in, StepContext& c) {
   FEDER_ASSERT(in.contacts->active.size() == contact_count_);
-  for (int n = 0; n < group_count_; ++n) groups_[n].store(*in.contacts, *c.jobs);
-  if (!in.active_joints.empty()) joints_.finish(in, c);
+  for (Group& g : groups_) {
+    if (!g.used()) continue;
+    g.contacts.store(*in.contacts, *c.jobs);
+    if (g.joints.empty()) continue;
+    g.soft_joints->finish(part(g, in), c);
+    if (g.level > 0) scale_impulses(g, in, static_cast<Real>(g.pieces()));
+  }
 }
 
 }  // namespace

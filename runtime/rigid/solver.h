@@ -54,8 +54,8 @@ struct SolverInput {
   std::span<const std::uint32_t> active_joints;     // indices into joints, ascending
   std::span<const std::uint32_t> breakable_joints;  // those of them whose load is noted
   std::span<JointedBody> jointed;                   // by solver index, of bodies; empty without joints
-  // By solver index: the body's contacts want 2^level pieces of a substep, the same for all of an island; none of an
-  // island with joints. Empty: no body does.
+  // By solver index: the body's contacts want 2^level pieces of a substep, the same for all of an
+  // island. Empty: no body does.
   std::span<const std::uint8_t> levels;
 };
 
