@@ -23,7 +23,7 @@ constexpr Real kHolds = Real(0.01);         // of the thickness of the thinner b
 constexpr Real kLooks = Real(0.001);        // what one weight sinks by, times ratio^2 - 1 of the masses: sum them
 constexpr Real kSwings = Real(0.7);         // (h w)^2 of a link across a tension, with one piece
 constexpr Real kLeastSwings = Real(2.2);    // below, one piece is enough
-constexpr Real kLeastHangs = 1;             // (h w)^2 under the weight of the heaviest: with less, impacts alone do it
+constexpr Real kLeastHangs = Real(0.3);     // (h w)^2 under the weight of the heaviest: with less, impacts alone do it
 constexpr Real kSnaps = 4;                  // weights: tension of what is slack at times
 constexpr Real kLeastLink = Real(1e-6);     // m
 constexpr int kCalmSteps = 30;              // a lower level must do for so long
@@ -94,7 +94,9 @@ const JointNeed* Rigid::Impl::joint_needs(StepContext& c) {
     if (!bodies.moves(r.body_a) || !bodies.moves(r.body_b)) continue;
     Real squares = 0;
     for (int k = 0; k < std::min<int>(joint.rows, 3); ++k) squares += joint.impulse[k] * joint.impulse[k];
-    const Real link = length(Vec3(bodies.position[r.body_a] - bodies.position[r.body_b]));
+    const JointShape& shape = joint.shape;  // not by the places now: what is torn open must not seem short
+    const Real link =
+        length(shape.frame_a.position) + length(shape.frame_b.position) + std::max(shape.options.rest_length, Real(0));
     if (!(link > kLeastLink)) continue;
     const Real force = std::sqrt(squares) / c.h;
     for (const std::uint32_t i : {r.body_a, r.body_b}) {
