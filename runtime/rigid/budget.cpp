@@ -24,6 +24,7 @@ constexpr Real kLooks = Real(0.001);        // what one weight sinks by, times r
 constexpr Real kSwings = Real(0.7);         // (h w)^2 of a link across a tension, with one piece
 constexpr Real kLeastSwings = Real(2.2);    // below, one piece is enough
 constexpr Real kLeastHangs = Real(0.3);     // (h w)^2 under the weight of the heaviest: with less, impacts alone do it
+constexpr Real kEarth = Real(9.81);         // m/s^2: what swings in weightlessness counts as much
 constexpr Real kSnaps = 4;                  // weights: tension of what is slack at times
 constexpr Real kLeastLink = Real(1e-6);     // m
 constexpr int kCalmSteps = 30;              // a lower level must do for so long
@@ -63,6 +64,7 @@ ContactLoad Rigid::Impl::load_of(const Contact& contact, Real rate, const StepCo
   if (!(force > 0)) return load;
   for (const std::uint32_t i : {pile.upper, pile.lower}) {
     if (i == kNone || bodies.type[i] != BodyType::dynamic) continue;
+    ++load.bodies;
     const Real thickness = 2 * core_depth[i] / kCoreDepth;
     mass = std::min(mass, bodies.mass[i]), heavy = std::max(heavy, bodies.mass[i]);
     if (!(thickness < load.thickness)) continue;
@@ -218,7 +220,7 @@ void Rigid::Impl::choose_levels(StepContext& c) {
     if (load.body == kNone) continue;
     IslandLoad& island = by_root[islands.root(bodies.moves(pile.upper) ? pile.upper : pile.lower)];
     const Real crowded = (1 + spring.crowd * std::max(crowd[load.body] - 1, Real(0))) / kHolds;
-    if (island.jointed) continue;
+    if (island.jointed) continue;  // ragdolls in a pile flew apart with pieces by contacts
     island.by_weight = std::max(island.by_weight, load.by_weight * crowded);
     island.by_impulse = std::max(island.by_impulse, load.sinks * crowded);
   }
@@ -239,7 +241,7 @@ void Rigid::Impl::share_out(IslandLoad* by_root, StepContext& c) {
     IslandLoad& island = by_root[i];
     const int before = island.before;
     // A tension grows from step to step, and must not be waited for: not either when what was slack is taut again.
-    const Real hangs = island.per_force * island.mass * length(c.gravity);
+    const Real hangs = island.per_force * island.mass * std::max(length(c.gravity), kEarth);
     if (hangs * kSwings < kLeastHangs) island.by_joints = 0;
     if (before > 0 && island.by_joints > 0) island.by_joints = std::max(island.by_joints, kSnaps * hangs);
     const int by_weight = std::max(level_for(island.by_weight), level_for(island.by_joints));
@@ -292,7 +294,7 @@ void Rigid::Impl::check_loads(StepContext& c) {
   const Real too_much = kMostTimes * c.gravity.norm();
   for (const std::uint32_t slot : contacts.active) {
     const ContactLoad load = load_of(contacts.slots[slot], spring.rate, c);
-    if (load.body == kNone || load.depth <= most * load.thickness) continue;
+    if (load.bodies < 2 || load.depth <= most * load.thickness) continue;
     const Real share = load.depth / load.thickness;
     if (load.sinks < kShare * share * squared_pieces(level[load.body]) && load.pull <= too_much) continue;
     worst = load, most = share;

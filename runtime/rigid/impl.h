@@ -57,6 +57,7 @@ struct FastStop {
 // What a contact carries: its thinner body, and how far that sinks.
 struct ContactLoad {
   std::uint32_t body = kNone;
+  int bodies = 0;                         // that are dynamic
   Real thickness = kInfinity, depth = 0;  // m
   Real sinks = 0, by_weight = 0;          // of the thickness, in the long run: by its load, by weights alone
   Real ratio = 0, force = 0;              // of the masses; N
@@ -212,7 +213,8 @@ struct Rigid::Impl {
   void list_active_joints(StepContext& c);
   void load_inertia(std::uint32_t body);
   JointedBody* uneven_body(std::uint32_t index) { return uneven_of({jointed.data(), jointed.size()}, index); }
-  void check_mass_ratio(std::uint32_t j, StepContext& c);
+  void check_mass_ratios(StepContext& c);
+  void check_mass_ratio(std::uint32_t j, Real ratio, Real per_substep, StepContext& c);
   void break_joints(StepContext& c);
   JointInput joint_input(std::uint32_t j) const;
   void joint_load(std::uint32_t j, Vec3& force, Vec3& torque) const;

@@ -9,7 +9,7 @@
 namespace feder {
 namespace {
 
-constexpr Real kRatioPerSubstep = 150;  // mass ratio that one substep can solve along a short chain, by experiment
+constexpr Real kRatioPerSubstep = 150;  // mass ratio that one substep can solve along a short loop, by experiment
 
 void refuse(bool given, unsigned uses, unsigned bit, const JointKind& kind, const char* option) {
   if (given && !(uses & bit))
@@ -143,8 +143,8 @@ void Rigid::Impl::list_active_joints(StepContext& c) {
     if (joints[j].breakable) breakable_joints.push_back(j);
     for (const std::uint32_t i : {r.body_a, r.body_b})
       if (i != kNone) joined[i] = 1;
-    if (!r.mass_checked) check_mass_ratio(j, c);
   }
+  check_mass_ratios(c);
   for (std::uint32_t i = 0; i < bodies.size(); ++i)
     if (joined[i]) joined_bodies.push_back(i);
 }
@@ -178,21 +178,44 @@ void Rigid::Impl::load_inertia(std::uint32_t body) {
   solver_bodies.mass[index].inv_inertia = (to.axes * seen.asDiagonal() * to.axes.transpose()).cast<Real>();
 }
 
-void Rigid::Impl::check_mass_ratio(std::uint32_t j, StepContext& c) {
-  JointRecord& r = records[j];
-  FEDER_ASSERT(joints[j].active && !r.mass_checked);
-  r.mass_checked = 1;
-  if (r.body_a == kNone || r.body_b == kNone) return;
-  const Real a = bodies.inv_mass[r.body_a], b = bodies.inv_mass[r.body_b];
-  if (!(a > 0) || !(b > 0)) return;
-  const Real ratio = a > b ? a / b : b / a;
-  if (ratio <= kRatioPerSubstep * static_cast<Real>(c.substeps)) return;
-  const long long enough = whole_count(std::ceil(ratio / kRatioPerSubstep));
+// Trees are solved exactly, loops from joint to joint.
+void Rigid::Impl::check_mass_ratios(StepContext& c) {
+  const auto unchecked = [&](std::uint32_t j) { return !records[j].mass_checked; };
+  if (std::none_of(active_joints.begin(), active_joints.end(), unchecked)) return;
+  std::uint8_t* loops = c.scratch->take<std::uint8_t>(bodies.size());  // by root
+  const auto each_pair = [&](auto&& f) {
+    for (const std::uint32_t j : active_joints) {
+      const std::uint32_t a = records[j].body_a, b = records[j].body_b;
+      if (a != kNone && b != kNone && bodies.inv_mass[a] > 0 && bodies.inv_mass[b] > 0) f(j, a, b);
+    }
+  };
+  each_pair([&](std::uint32_t, std::uint32_t a, std::uint32_t b) {
+    islands.isolate(a), islands.isolate(b);
+    loops[a] = loops[b] = 0;
+  });
+  each_pair([&](std::uint32_t, std::uint32_t a, std::uint32_t b) {
+    a = islands.root(a), b = islands.root(b);
+    const bool loop = a == b || loops[a] || loops[b];
+    loops[islands.join(a, b)] = loop;
+  });
+  const Real tree = solver->tree_ratio();
+  each_pair([&](std::uint32_t j, std::uint32_t a, std::uint32_t b) {
+    const Real per_substep = loops[islands.root(a)] ? kRatioPerSubstep : std::max(tree, kRatioPerSubstep);
+    if (!records[j].mass_checked) check_mass_ratio(j, bodies.inv_mass[a] / bodies.inv_mass[b], per_substep, c);
+  });
+  for (const std::uint32_t j : active_joints) records[j].mass_checked = 1;
+}
+
+void Rigid::Impl::check_mass_ratio(std::uint32_t j, Real ratio, Real per_substep, StepContext& c) {
+  ratio = std::max(ratio, 1 / ratio);
+  if (ratio <= per_substep * static_cast<Real>(c.substeps)) return;
+  const long long enough = whole_count(std::ceil(ratio / per_substep));
+  const ObjectId joint = records[j].object;
   events.warn("mass_ratio",
-              objects.describe(r.object) + " joins masses of ratio " + std::to_string(whole_count(ratio)) + "; " +
+              objects.describe(joint) + " joins masses of ratio " + std::to_string(whole_count(ratio)) + "; " +
                   std::to_string(c.substeps) + " substeps will stretch it, " + std::to_string(enough) +
                   " would hold it",
-              r.object);
+              joint);
 }
 
 JointInput Rigid::Impl::joint_input(std::uint32_t j) const {

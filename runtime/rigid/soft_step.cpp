@@ -31,6 +31,7 @@ namespace {
 constexpr Real kRestSubsteps = 4;
 constexpr int kStrikeWaves = 64;  // in a substep; what has not been passed on then is left to the soft rows
 // batches and bodies per job
+constexpr Real kTreeRatio = 10'000;  // by experiment, with pieces
 constexpr JobGrain kFillGrain{8, 5'000}, kBodyGrain{512, 3'000};
 
 static_assert(std::is_same_v<WideReal, Real>);
@@ -59,6 +60,7 @@ class SoftStep final : public RigidSolver {
   void solve(const SolverInput& in, StepContext& c) override;
   void finish(const SolverInput& in, StepContext& c) override;
   ContactSpring contact_spring(Real h) const override;
+  Real tree_ratio() const override { return joint_trees_ ? kTreeRatio : Real(0); }
   bool wide() const override { return kernels_ != &kContactKernelsPlain; }
 
  private:

@@ -70,6 +70,8 @@ class RigidSolver {
   virtual void finish(const SolverInput& in, StepContext& c) = 0;  // once: restitution, impulses stored
   // Contacts as springs, for substeps of h seconds.
   virtual ContactSpring contact_spring(Real /*h*/) const { return {}; }
+  // Mass ratio along a tree of joints that one substep holds; 0: no more than along a loop.
+  virtual Real tree_ratio() const { return 0; }
   virtual bool wide() const { return true; }          // kernels may take the vector instructions of the processor
   virtual std::uint64_t capped() const { return 0; }  // times an iteration limit was reached in the last step
 };

@@ -209,3 +209,30 @@ TEST_CASE("chains carry loads of thousands of times their links", "[rigid][overl
   CHECK(worst < (row.ratio > 600 ? 1e-3 : 0.02));
   CHECK(most - start < 0.01 * all);
 }
+
+// Trees are exact: what is said of loops would be wrong of them.
+TEST_CASE("the warning mass_ratio speaks of loops, and of trees beyond their limit", "[rigid][overload]") {
+  struct Row {
+    bool loop;
+    double ratio;
+    int warnings;
+  };
+  const Row rows[] = {{false, 30000, 0}, {false, 50000, 1}, {true, 500, 0}, {true, 700, 1}};
+  const Row& row = rows[GENERATE(range(0, 4))];
+  CAPTURE(row.loop, row.ratio);
+  Tower t;
+  const ObjectId a = t.s.rigid().add_body(body_of(make_box(1, 1, 1), Vec3(0, 0, 0)));
+  const ObjectId b = t.s.rigid().add_body(body_of(make_box(1, 1, 1), Vec3(2, 0, 0), Real(row.ratio)));
+  for (int k = 0; k < (row.loop ? 2 : 1); ++k) {
+    JointDesc j;
+    j.type = "ball";
+    j.a = a, j.b = b;
+    j.anchor_a = Vec3(1, 0, Real(k));
+    t.s.rigid().add_joint(j);
+  }
+  t.s.world().step();
+  int warnings = 0;
+  for (const Event& e : t.s.world().events().list())
+    if (e.kind == EventKind::warning && t.s.world().events().warning_code(e) == "mass_ratio") ++warnings;
+  CHECK(warnings == row.warnings);  // repeats of a code in one step are counted, not kept
+}
