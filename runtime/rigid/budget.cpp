@@ -86,7 +86,6 @@ Real Rigid::Impl::weight_of(const Pile& pile) const {
 // By body: the square of the pieces that the tension of its joints asks for. A light body between two others swings
 // across them with w^2 = 2 sum(F / l) / m, l the length of a link, and h w > 2 is unstable. Null: none asks for any.
 const JointNeed* Rigid::Impl::joint_needs(StepContext& c) {
-  if (active_joints.empty()) return nullptr;
   JointNeed* need = c.scratch->take<JointNeed>(bodies.size());
   for (const std::uint32_t i : moving) need[i] = {};
   bool any = false;
@@ -193,7 +192,7 @@ void Rigid::Impl::choose_levels(StepContext& c) {
     if (load.body == kNone || !bodies.moves(load.body)) continue;
     if (load.sinks > kHolds || (load.ratio * load.ratio - 1) * load.by_weight > kLooks) hard[hard_count++] = load.body;
   }
-  const JointNeed* by_joints = joint_needs(c);
+  const JointNeed* by_joints = active_joints.empty() ? nullptr : joint_needs(c);
   bool any = hard_count > 0 || by_joints;
   for (const std::uint32_t i : moving) any = any || level[i] > 0;
   if (!any) return;
