@@ -59,7 +59,7 @@ ContactLoad Rigid::Impl::load_of(const Contact& contact, Real rate, const StepCo
   }
   const Pile pile = pile_of(contact, c.gravity);
   Real weight = weight_of(pile);
-  if (carried && weight > 0) weight += carried[pile.upper];
+  if (carried && bodies.moves(pile.upper)) weight += carried[pile.upper];
   const Real force = std::max(impulse / c.h, weight);
   if (!(force > 0)) return load;
   for (const std::uint32_t i : {pile.upper, pile.lower}) {
@@ -110,7 +110,8 @@ const JointNeed* Rigid::Impl::joint_needs(StepContext& c) {
   return any ? need : nullptr;
 }
 
-// What the active contacts of hard islands join, in their order; counts these and joints by root.
+// What the active contacts of hard islands join, in their order, but of islands beyond the budget; counts these
+// contacts, and all joints, by root.
 std::span<Rigid::Impl::Pile> Rigid::Impl::list_piles(IslandLoad* by_root, StepContext& c) {
   const auto drives = [&](std::uint32_t i) { return i != kNone && bodies.type[i] == BodyType::kinematic; };
   for (const std::uint32_t j : active_joints)

@@ -31,7 +31,7 @@ namespace {
 constexpr Real kRestSubsteps = 4;
 constexpr int kStrikeWaves = 64;  // in a substep; what has not been passed on then is left to the soft rows
 // batches and bodies per job
-constexpr Real kTreeRatio = 10'000;  // by experiment, with pieces
+constexpr Real kTreeRatio = 2'000;  // by experiment, with pieces: beyond, some chains gain energy
 constexpr JobGrain kFillGrain{8, 5'000}, kBodyGrain{512, 3'000};
 
 static_assert(std::is_same_v<WideReal, Real>);

@@ -112,11 +112,11 @@ struct OwnerImpact {
   Vec3 point = Vec3::Zero();   // on b, world
 };
 
-// What owners of colliders (rigid bodies, net points) may ask of collision detection, and what it asks of them.
-// The system named "collide" implements it; owners find it by name and know no more of it.
 // The core of a convex shape is so far inside it, of its least half width.
 inline constexpr Real kCoreDepth = Real(0.25);
 
+// What owners of colliders (rigid bodies, net points) may ask of collision detection, and what it asks of them.
+// The system named "collide" implements it; owners find it by name and know no more of it.
 class ContactService {
  public:
   static constexpr const char* kSystem = "collide";  // also the arena of Colliders and Contacts
