@@ -31,6 +31,7 @@ constexpr int kCalmSteps = 30;              // a lower level must do for so long
 constexpr int kHotSteps = 4;                // where weights ask for none, loads must do so for so long: impacts do not
 constexpr std::uint64_t kMostExtra = 2048;  // pieces times contacts of a world beyond its substeps
 constexpr int kTiers = 32;                  // of bodies on each other
+constexpr std::uint64_t kLookSteps = 4;     // between two looks at a joint or an old contact while no island has pieces
 constexpr std::uint64_t kLoadSteps = 8;     // between two looks for what gives way
 constexpr Real kSinks = Real(0.05);         // of the thickness
 constexpr Real kShare = Real(0.25);         // of the depth, at least, must be the load's
@@ -38,6 +39,14 @@ constexpr Real kMostTimes = Real(3e4);      // its own weight
 constexpr Real kParts = Real(0.95);         // between two looks: what overlaps less is parting
 
 Real squared_pieces(int level) { return static_cast<Real>(std::uint64_t(1) << (2 * level)); }
+
+Real thickness_of(Real core_depth) { return 2 * core_depth / kCoreDepth; }
+
+Real depth_of(const Contact& contact) {
+  Real depth = 0;
+  for (int k = 0; k < contact.point_count; ++k) depth = std::max(depth, -contact.points[k].separation);
+  return depth;
+}
 
 }  // namespace
 
@@ -53,10 +62,8 @@ Rigid::Impl::Pile Rigid::Impl::pile_of(const Contact& contact, const Vec3& gravi
 ContactLoad Rigid::Impl::load_of(const Contact& contact, Real rate, const StepContext& c) const {
   ContactLoad load;
   Real impulse = 0, mass = kInfinity, heavy = 0;
-  for (int k = 0; k < contact.point_count; ++k) {
-    impulse += contact.points[k].normal_impulse;
-    load.depth = std::max(load.depth, -contact.points[k].separation);
-  }
+  for (int k = 0; k < contact.point_count; ++k) impulse += contact.points[k].normal_impulse;
+  load.depth = depth_of(contact);
   const Pile pile = pile_of(contact, c.gravity);
   Real weight = weight_of(pile);
   if (carried && bodies.moves(pile.upper)) weight += carried[pile.upper];
@@ -65,7 +72,7 @@ ContactLoad Rigid::Impl::load_of(const Contact& contact, Real rate, const StepCo
   for (const std::uint32_t i : {pile.upper, pile.lower}) {
     if (i == kNone || bodies.type[i] != BodyType::dynamic) continue;
     ++load.bodies;
-    const Real thickness = 2 * core_depth[i] / kCoreDepth;
+    const Real thickness = thickness_of(core_depth[i]);
     mass = std::min(mass, bodies.mass[i]), heavy = std::max(heavy, bodies.mass[i]);
     if (!(thickness < load.thickness)) continue;
     load.thickness = thickness, load.body = i;
@@ -188,15 +195,17 @@ void Rigid::Impl::choose_levels(StepContext& c) {
   if (!(spring.rate > 0)) return;
   std::uint32_t* hard = c.scratch->take<std::uint32_t>(contacts.active.size());
   std::size_t hard_count = 0;
+  bool any = false;  // island that has pieces, or may soon
+  for (const std::uint32_t i : moving) any = any || level[i] > 0 || level_trend[i] != 0;
   for (const std::uint32_t slot : contacts.active) {
+    const bool carried_nothing = contacts.slots[slot].points[0].normal_impulse == 0;  // new, perhaps
+    if (!any && !carried_nothing && (slot + c.step) % kLookSteps != 0) continue;
     const ContactLoad load = load_of(contacts.slots[slot], spring.rate, c);
     if (load.body == kNone || !bodies.moves(load.body)) continue;
     if (load.sinks > kHolds || (load.ratio * load.ratio - 1) * load.by_weight > kLooks) hard[hard_count++] = load.body;
   }
-  const JointNeed* by_joints = active_joints.empty() ? nullptr : joint_needs(c);
-  bool any = hard_count > 0 || by_joints;
-  for (const std::uint32_t i : moving) any = any || level[i] > 0;
-  if (!any) return;
+  const JointNeed* by_joints = active_joints.empty() || (!any && c.step % kLookSteps != 0) ? nullptr : joint_needs(c);
+  if (!any && hard_count == 0 && !by_joints) return;
   join_islands();
   IslandLoad* by_root = c.scratch->take<IslandLoad>(bodies.size());
   for (const std::uint32_t i : moving) by_root[i] = {};
@@ -293,7 +302,13 @@ void Rigid::Impl::check_loads(StepContext& c) {
   Real most = kSinks;
   const Real too_much = kMostTimes * c.gravity.norm();
   for (const std::uint32_t slot : contacts.active) {
-    const ContactLoad load = load_of(contacts.slots[slot], spring.rate, c);
+    const Contact& contact = contacts.slots[slot];
+    Real thinner = kInfinity;  // bodies that do not move have no depth
+    for (const std::uint32_t collider : {contact.collider_a, contact.collider_b})
+      if (const std::uint32_t i = colliders.body_of(collider); bodies.moves(i))
+        thinner = std::min(thinner, thickness_of(core_depth[i]));
+    if (depth_of(contact) <= most * thinner) continue;
+    const ContactLoad load = load_of(contact, spring.rate, c);
     if (load.bodies < 2 || load.depth <= most * load.thickness) continue;
     const Real share = load.depth / load.thickness;
     if (load.sinks < kShare * share * squared_pieces(level[load.body]) && load.pull <= too_much) continue;
