@@ -154,7 +154,7 @@ WorldRecord& push_new_world(lua_State* L, const WorldSettings& settings) {
   std::random_device random;
   const auto word = [&random] { return static_cast<std::uint64_t>(random()) << 32 | random(); };
   record->key.a = word(), record->key.b = word();
-  record->world = std::make_unique<World>(settings.desc, s.options.systems);
+  record->world = std::make_unique<World>(settings.desc, s.options.systems, s.options.executor);
   if (s.options.made) s.options.made(*record->world);
 
   WorldBlock& block = push_userdata(L, Class::world, WorldBlock{kNone}, 1);

@@ -55,9 +55,11 @@ JobPool::JobPool(int threads)
   for (int i = 1; i < threads_; ++i) workers_.emplace_back([this, i] { work(i); });
 }
 
-JobPool::JobPool(const JobHost& host)
-    : shares_(new Share[static_cast<std::size_t>(std::max(host.threads, 1))]), threads_(std::max(host.threads, 1)),
-      host_(host), idle_(threads_ - 1) {}
+JobPool::JobPool(const Executor& executor)
+    : shares_(new Share[static_cast<std::size_t>(executor.threads)]), threads_(executor.threads), executor_(executor),
+      idle_(threads_ - 1) {
+  FEDER_ASSERT(executor.call && threads_ >= 1 && threads_ <= 64);
+}
 
 JobPool::~JobPool() {
   stop_.store(true);
@@ -130,14 +132,14 @@ void JobPool::wake_caller() {
 // time, so either it is counted here or it sees the new epoch.
 void JobPool::wake(int wanted) {
   wake_caller();
-  if (workers_.empty() && !host_.call) return;
+  if (workers_.empty() && !executor_.call) return;
   int idle = idle_.load(), called;
   do {
     called = std::min(wanted - (threads_ - 1 - idle), idle);
     if (called <= 0) return;
-  } while (!host_.call && !idle_.compare_exchange_weak(idle, idle - called));
-  if (host_.call) {
-    host_.call(host_.user, called);
+  } while (!executor_.call && !idle_.compare_exchange_weak(idle, idle - called));
+  if (executor_.call) {
+    executor_.call(Helper(weak_from_this().lock()), called);
     return;
   }
   for (int i = 0; i < called; ++i) calls_.post();
@@ -192,8 +194,14 @@ bool JobPool::withdraw() {
   return false;
 }
 
-bool JobPool::help(int worker) {
-  FEDER_ASSERT(worker > 0 && worker < threads_);
+bool JobPool::help() {
+  std::uint64_t helping = helping_.load();
+  int worker;
+  do {
+    worker = 1;
+    while (worker < threads_ && helping >> worker & 1u) ++worker;
+    if (worker == threads_) return false;
+  } while (!helping_.compare_exchange_weak(helping, helping | std::uint64_t(1) << worker));
   idle_.fetch_sub(1);
   bool any = false;
   for (;;) {
@@ -205,7 +213,10 @@ bool JobPool::help(int worker) {
     if (!spin(kWorkerSpins, [&] { return epoch_.load(std::memory_order_acquire) != epoch; })) break;
   }
   idle_.fetch_add(1);
+  helping_.fetch_and(~(std::uint64_t(1) << worker));
   return any;
 }
+
+bool Helper::help() const { return jobs_ && jobs_->help(); }
 
 }  // namespace feder

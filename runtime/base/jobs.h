@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "base/semaphore.h"
+#include "feder/executor.h"
 #include "feder/types.h"
 
 namespace feder {
@@ -27,21 +28,10 @@ struct JobGrain {
   constexpr JobGrain(std::uint32_t n, std::uint32_t ns = 10'000) : items(n), block_ns(ns) {}
 };
 
-// Threads that a host has already (an engine's task system), in place of own ones. They help, they are not relied on:
-//  - `call` asks for up to `helpers` calls of JobPool::help(worker), on any threads, soon; it comes from the thread
-//    that runs a loop or from one that helps, must not block and must not call help() itself;
-//  - help() may come late, more often than asked or never: results are the same, the caller then does all itself;
-//  - worker is in [1, threads) and belongs to one thread at a time; all calls have returned before the pool ends.
-struct JobHost {
-  int threads = 1;  // with the one that calls the loops
-  void (*call)(void* user, int helpers) = nullptr;
-  void* user = nullptr;
-};
-
-class JobPool {
+class JobPool : public std::enable_shared_from_this<JobPool> {
  public:
-  explicit JobPool(int threads = 1);  // total number including the caller; at least 1
-  explicit JobPool(const JobHost& host);
+  explicit JobPool(int threads = 1);           // total number including the caller; at least 1
+  explicit JobPool(const Executor& executor);  // its threads help; for that the pool belongs to a shared_ptr
   ~JobPool();
   JobPool(const JobPool&) = delete;
   JobPool& operator=(const JobPool&) = delete;
@@ -90,9 +80,7 @@ class JobPool {
     }
   }
 
-  // For a JobHost's threads: takes blocks while there are any, and returns when there have been none for some
-  // microseconds. True when it did something.
-  bool help(int worker);
+  bool help();  // see Helper
 
  private:
   // Below this a fork costs more than it brings: a thread takes some microseconds to wake.
@@ -132,10 +120,11 @@ class JobPool {
   std::uint64_t forks_ = 0;
 
   int threads_ = 1;
-  JobHost host_;
+  Executor executor_;
+  std::atomic<std::uint64_t> helping_{0};  // bits: workers of an executor in help()
   std::vector<std::thread> workers_;
   Semaphore calls_, news_;    // for workers; for the caller
-  std::atomic<int> idle_{0};  // workers that sleep and were not called yet; of a host: those not in help()
+  std::atomic<int> idle_{0};  // workers that sleep and were not called yet; of an executor: those not in help()
   std::atomic<bool> caller_asleep_{false};  // and was not called yet
   std::atomic<bool> stop_{false};
 };

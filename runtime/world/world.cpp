@@ -31,10 +31,21 @@ void check(const WorldDesc& d) {
 
 Rng& World::rng() { return own_->rng; }
 
-World::World(const WorldDesc& desc, Catalog catalog)
-    : desc_(desc), catalog_(catalog), commands_(std::make_unique<CommandLog>()), watch_(store_.need<Watch>("watch")),
-      events_(store_.arena("events")), own_(std::make_unique<Own>(desc, store_)) {
+namespace {
+
+// Checked before workers are made.
+WorldDesc checked(WorldDesc desc, const Executor& executor) {
+  if (executor.call) desc.threads = executor.threads;
   check(desc);
+  return desc;
+}
+
+}  // namespace
+
+World::World(const WorldDesc& desc, Catalog catalog, const Executor& executor)
+    : desc_(checked(desc, executor)), catalog_(catalog), commands_(std::make_unique<CommandLog>()),
+      watch_(store_.need<Watch>("watch")), events_(store_.arena("events")),
+      own_(std::make_unique<Own>(desc_, executor, store_)) {
   objects_.know(kForceKind);
   objects_.log_to(*commands_);
   for (const SystemDescriptor* d : catalog_)
@@ -189,7 +200,7 @@ StepContext World::context() {
   c.store = &store_;
   c.objects = &objects_;
   c.events = &events_;
-  c.jobs = &own_->jobs;
+  c.jobs = own_->jobs.get();
   c.scratch = &own_->scratch;
   return c;
 }

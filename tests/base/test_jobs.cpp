@@ -87,29 +87,26 @@ TEST_CASE("forks follow the stated work, not a clock", "[base][jobs][threads]") 
 }
 
 TEST_CASE("threads of a host may help at once, late or never", "[base][jobs][threads]") {
-  struct Host {
-    std::atomic<JobPool*> pool{nullptr};
-    std::atomic<int> asked{0};
-    std::atomic<bool> stop{false};
-  } host;
-  JobPool pool(JobHost{4, [](void* h, int helpers) { static_cast<Host*>(h)->asked.fetch_add(helpers); }, &host});
+  std::atomic<int> asked{0};
+  const auto pool =
+      std::make_shared<JobPool>(Executor{4, [&](const Helper&, int helpers) { asked.fetch_add(helpers); }});
   const int rounds = 400;
   const std::uint64_t expected = serial_result(rounds);
-  CHECK(Chain().run(pool, rounds) == expected);  // never
-  CHECK(host.asked.load() > 0);
-  host.pool = &pool;
-  std::thread eager([&] {
-    while (!host.stop) host.pool.load()->help(1);
-  });
-  std::thread late([&] {
-    while (!host.stop) {
-      std::this_thread::sleep_for(std::chrono::microseconds(300));
-      host.pool.load()->help(2);
-    }
-  });
-  for (int k = 0; k < 5; ++k) CHECK(Chain().run(pool, rounds) == expected);
-  host.stop = true;
-  eager.join(), late.join();
+  CHECK(Chain().run(*pool, rounds) == expected);  // never
+  CHECK(asked.load() > 0);
+  std::atomic<bool> stop{false};
+  const Helper helper(pool);
+  std::vector<std::thread> threads;
+  for (int k = 0; k < 5; ++k)  // more than it takes
+    threads.emplace_back([&stop, helper, k] {
+      while (!stop) {
+        if (k > 1) std::this_thread::sleep_for(std::chrono::microseconds(100 * k));
+        helper.help();
+      }
+    });
+  for (int k = 0; k < 5; ++k) CHECK(Chain().run(*pool, rounds) == expected);
+  stop = true;
+  for (std::thread& t : threads) t.join();
 }
 
 #if defined(__linux__) && !defined(FEDER_SANITIZED)

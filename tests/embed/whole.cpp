@@ -12,6 +12,9 @@
 #include <feder/yaml.h>
 
 #include <cstdio>
+#include <mutex>
+#include <thread>
+#include <vector>
 
 namespace {
 
@@ -87,6 +90,26 @@ void run_world() {
   expect(replay.same() && replay.world().hash() == world.hash(), "a replay goes another way");
 }
 
+// A world on threads of the host goes the same way; a helper may outlive it.
+void run_on_host_threads() {
+  const auto hash_after = [](const Executor& executor) {
+    World world(WorldDesc{}, catalog(), executor);
+    make_things(world);
+    for (int i = 0; i < 30; ++i) world.step();
+    return world.hash();
+  };
+  std::vector<std::thread> tasks;
+  std::mutex lock;  // helping threads ask, too
+  Executor executor;
+  executor.threads = 3;
+  executor.call = [&](const Helper& helper, int helpers) {
+    const std::lock_guard<std::mutex> guard(lock);
+    for (; helpers > 0 && tasks.size() < 50; --helpers) tasks.emplace_back([helper] { helper.help(); });
+  };
+  expect(hash_after(executor) == hash_after({}), "threads of the host change the way of a world");
+  for (std::thread& t : tasks) t.join();
+}
+
 void run_study() {
   const std::unique_ptr<StudyProblem> problem = make_study_problem("oscillator", {});
   SweepOptions options;
@@ -101,6 +124,7 @@ void run_study() {
 
 int main() try {
   run_world();
+  run_on_host_threads();
   run_study();
   lua::HostOptions options;
   options.load_yaml = yaml::push;

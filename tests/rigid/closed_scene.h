@@ -21,6 +21,7 @@ inline const char* solver_name(int i) { return rigid_solvers()[static_cast<std::
 
 struct ClosedScene {
   WorldDesc desc;
+  Executor executor;
   std::unique_ptr<World> made;
 
   explicit ClosedScene(const char* solver, double dt = 1.0 / 60, int substeps = 4, int dimension = 3) {
@@ -32,7 +33,7 @@ struct ClosedScene {
   }
   World& world() {
     static const SystemDescriptor* const catalog[] = {&Collide::descriptor(), &Rigid::descriptor()};
-    if (!made) made = std::make_unique<World>(desc, catalog);
+    if (!made) made = std::make_unique<World>(desc, catalog, executor);
     return *made;
   }
   Rigid& rigid() { return world().need<Rigid>(); }

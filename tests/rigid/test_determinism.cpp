@@ -1,10 +1,13 @@
 // The same scene gives the same bits whatever the number of threads, and the same as the stored hashes: compilers and
 // optimisation levels are compared through tests/golden/hashes.txt, one line per scalar type, scene and solver. A
 // change of physics changes them: FEDER_WRITE_GOLDEN=1 prints the new lines.
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <mutex>
 #include <sstream>
+#include <thread>
 
 #include "base/rng.h"
 #include "rigid/closed_scene.h"
@@ -82,4 +85,50 @@ TEST_CASE("hashes do not depend on threads, compiler or optimisation", "[rigid][
     WARN("no stored hash for '" << key << "', got " << hash);
   else
     CHECK(golden == hash);
+}
+
+// Tasks of a host: a queue that two threads empty.
+TEST_CASE("a host's threads give the same bits, and helpers may outlive the world", "[rigid][determinism][threads]") {
+  const char* solver = solver_name(GENERATE(range(0, solver_count())));
+  CAPTURE(solver);
+  std::mutex lock;
+  std::vector<Helper> tasks, kept;
+  std::atomic<bool> stop{false};
+  std::atomic<int> helped{0};
+  Executor executor;
+  executor.threads = 3;
+  executor.call = [&](const Helper& helper, int helpers) {
+    const std::lock_guard<std::mutex> guard(lock);
+    for (; helpers > 0; --helpers) tasks.push_back(helper);
+    if (kept.empty()) kept.push_back(helper);
+  };
+  const auto work = [&] {
+    while (!stop) {
+      std::vector<Helper> task;
+      {
+        const std::lock_guard<std::mutex> guard(lock);
+        if (!tasks.empty()) task.push_back(tasks.back()), tasks.pop_back();
+      }
+      if (!task.empty() && task[0].help()) ++helped;
+    }
+  };
+  std::thread first(work), second(work);
+  const auto hash_of_wall = [&](const Executor& with) {  // the pile is too small for others to be asked
+    ClosedScene s(solver);
+    s.executor = with;
+    s.rigid().add_body(ground_of(Real(0.6)));
+    const ShapePtr box = make_box(1, 1, 1);
+    for (int i = 0; i < 600; ++i)
+      s.rigid().add_body(body_of(box, Vec3(Real(1.1 * (i % 30)), Real(0.5 + i / 30), 0), 1, Real(0.5)));
+    for (int i = 0; i < 20; ++i) s.world().step();
+    return s.world().hash();
+  };
+  const std::uint64_t expected = hash_of_wall({});
+  CHECK(hash_of_wall(executor) == expected);
+  stop = true;
+  first.join(), second.join();
+  REQUIRE(kept.size() == 1);
+  CHECK_FALSE(kept[0].help());
+  executor.threads = 0;
+  CHECK_THROWS_AS(World(WorldDesc{}, {}, executor), SceneError);
 }

@@ -80,6 +80,7 @@ struct HostOptions {
   std::uint64_t instruction_limit = 100'000'000;
   // While true, scripts end as by Script::interrupt. For hosts that stop several scripts, or from a signal handler.
   const std::atomic<bool>* stop = nullptr;
+  Executor executor = {};  // its threads help the worlds; without `call` each world makes its own workers
   // Called with each world as it is made, before anything is in it: to record it.
   std::function<void(World&)> made = {};
   // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see feder/yaml.h).

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "feder/desc.h"
+#include "feder/executor.h"
 #include "feder/force.h"
 #include "feder/system.h"
 
@@ -34,8 +35,8 @@ struct KindCount {
 
 class World final : private SystemFinder {
  public:
-  // `catalog` lists the systems this host links; it must outlive the world.
-  World(const WorldDesc& desc, Catalog catalog);
+  // `catalog` lists the systems this host links; it must outlive the world. `executor`: threads of the host that help.
+  World(const WorldDesc& desc, Catalog catalog, const Executor& executor = {});
   ~World() override;
   World(const World&) = delete;
   World& operator=(const World&) = delete;
