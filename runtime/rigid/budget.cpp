@@ -21,11 +21,14 @@ namespace {
 
 constexpr Real kHolds = Real(0.01);         // of the thickness of the thinner body
 constexpr Real kLooks = Real(0.001);        // what one weight sinks by, times ratio^2 - 1 of the masses: sum them
-constexpr Real kSwings = Real(0.7);         // (h w)^2 of a link across a tension, with one piece
-constexpr Real kLeastSwings = Real(2.2);    // below, one piece is enough
-constexpr Real kLeastHangs = Real(0.3);     // (h w)^2 under the weight of the heaviest: with less, impacts alone do it
+constexpr Real kSwings = Real(0.7);         // (h w)^2 of a link across a tension, with the pieces chosen
+constexpr Real kLeastSwings = Real(3.5);    // below, one piece is enough but after a snap
+constexpr Real kCalmSwings = Real(1.8);     // below, one piece is enough
+constexpr Real kLeastHangs = Real(0.4);     // under the weight of the heaviest: with less, impacts alone do it
+constexpr Real kSwingHangs = Real(1.1);     // likewise: with less, a swing alone does not
 constexpr Real kEarth = Real(9.81);         // m/s^2: what swings in weightlessness counts as much
-constexpr Real kSnaps = 4;                  // weights: tension of what is slack at times
+constexpr Real kSnaps = 5;                  // weights of tension: more is a snap, a swing has three
+constexpr Real kSlack = Real(0.1);          // of the largest tension of the island
 constexpr Real kLeastLink = Real(1e-6);     // m
 constexpr int kCalmSteps = 30;              // a lower level must do for so long
 constexpr int kHotSteps = 4;                // where weights ask for none, loads must do so for so long: impacts do not
@@ -90,8 +93,25 @@ Real Rigid::Impl::weight_of(const Pile& pile) const {
   return bodies.mass[pile.upper] * std::max(bodies.gravity_scale[pile.upper], Real(0)) * pile.gravity;
 }
 
-// By body: the square of the pieces that the tension of its joints asks for. A light body between two others swings
-// across them with w^2 = 2 sum(F / l) / m, l the length of a link, and h w > 2 is unstable. Null: none asks for any.
+// (h w)^2 of a link under the weight of a mass.
+Real Rigid::Impl::hangs_of(Real per_force, Real mass, const StepContext& c) const {
+  return per_force * mass * std::max(length(c.gravity), kEarth);
+}
+
+// The square of the pieces that the tension of an island asks for. More than kSnaps weights of tension is a snap:
+// pieces begin at once, and are kept while something is slack, which is taut again in an instant.
+Real Rigid::Impl::need_of_joints(const IslandLoad& island, const StepContext& c) const {
+  const Real hangs = hangs_of(island.per_force, island.mass, c);
+  if (hangs < kLeastHangs) return 0;
+  const bool slack = island.least < kSlack * island.most;
+  const Real swings = std::max(island.swings, island.before > 0 && slack ? kSnaps * hangs : Real(0));
+  const Real swing = hangs < kSwingHangs ? kInfinity : kLeastSwings;
+  const Real least = island.before > 0 ? kCalmSwings : std::max(std::min(kSnaps * hangs, swing), kCalmSwings);
+  return swings > least ? swings / kSwings : Real(0);
+}
+
+// By body: how the tension of its joints makes it swing. A light body between two others swings across them with
+// w^2 = 2 sum(F / l) / m, l the length of a link, and h w > 2 is unstable. Null: no island needs more than one piece.
 const JointNeed* Rigid::Impl::joint_needs(StepContext& c) {
   JointNeed* need = c.scratch->take<JointNeed>(bodies.size());
   for (const std::uint32_t i : moving) need[i] = {};
@@ -108,10 +128,11 @@ const JointNeed* Rigid::Impl::joint_needs(StepContext& c) {
     if (!(link > kLeastLink)) continue;
     const Real force = std::sqrt(squares) / c.h;
     for (const std::uint32_t i : {r.body_a, r.body_b}) {
-      const Real per_force = 2 * c.h * c.h * bodies.inv_mass[i] / (link * kSwings);
+      const Real per_force = 2 * c.h * c.h * bodies.inv_mass[i] / link;
       need[i].per_force += per_force;
-      need[i].now += per_force * force;
-      any = any || level[i] > 0 || need[i].now > kLeastSwings / kSwings;
+      need[i].swings += per_force * force;
+      need[i].least = std::min(need[i].least, force), need[i].most = std::max(need[i].most, force);
+      any = any || level[i] > 0 || need[i].swings > kCalmSwings;
     }
   }
   return any ? need : nullptr;
@@ -216,10 +237,10 @@ void Rigid::Impl::choose_levels(StepContext& c) {
     island.before = std::max(island.before, level[i]);
     island.trend = std::max(island.trend, level_trend[i]);
     if (!by_joints) continue;
-    island.by_joints = std::max(island.by_joints, by_joints[i].now);
+    island.swings = std::max(island.swings, by_joints[i].swings);
     island.per_force = std::max(island.per_force, by_joints[i].per_force);
+    island.least = std::min(island.least, by_joints[i].least), island.most = std::max(island.most, by_joints[i].most);
     if (by_joints[i].per_force > 0) island.mass = std::max(island.mass, bodies.mass[i]);
-    island.hard = island.hard || by_joints[i].now > kLeastSwings / kSwings;
   }
   const std::span<const Pile> piles = list_piles(by_root, c);
   carried = carried_weights(piles, c);
@@ -249,10 +270,7 @@ void Rigid::Impl::share_out(IslandLoad* by_root, StepContext& c) {
     if (islands.root(i) != i) continue;
     IslandLoad& island = by_root[i];
     const int before = island.before;
-    // A tension grows from step to step, and must not be waited for: not either when what was slack is taut again.
-    const Real hangs = island.per_force * island.mass * std::max(length(c.gravity), kEarth);
-    if (hangs * kSwings < kLeastHangs) island.by_joints = 0;
-    if (before > 0 && island.by_joints > 0) island.by_joints = std::max(island.by_joints, kSnaps * hangs);
+    island.by_joints = need_of_joints(island, c);
     const int by_weight = std::max(level_for(island.by_weight), level_for(island.by_joints));
     const int by_impulse = level_for(island.by_impulse);
     if (island.apart || island.contacts > kMostExtra) {

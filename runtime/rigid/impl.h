@@ -64,22 +64,25 @@ struct ContactLoad {
   Real pull = 0;                          // the weights on it over its mass, m/s^2
 };
 
-// What the joints of a body ask for: the square of the pieces, at their forces now and per newton, 1/N.
+// How a body swings across the tension of its joints: (h w)^2 with one piece, at their forces now and per newton, 1/N.
 struct JointNeed {
-  Real now = 0, per_force = 0;
+  Real swings = 0, per_force = 0;
+  Real least = kInfinity, most = 0;  // forces now, N
 };
 
 // What the contacts of an island carry. Needs are squares of the pieces of a substep.
 struct IslandLoad {
   Real by_weight = 0, by_impulse = 0, by_joints = 0;
-  Real per_force = 0, mass = 0;  // largest of JointNeed, 1/N; of the heaviest body on joints, kg
-  std::uint64_t contacts = 0;    // and joints
-  int wanted = 0;                // level
-  std::uint8_t before = 0;       // level in the last step
-  std::int8_t trend = -128;      // as level_trend
-  bool hard = false;             // has contacts that may need more pieces
-  bool jointed = false;          // has joints: only these count
-  bool apart = false;            // has net points, or joints to kinematic bodies
+  Real swings = 0, per_force = 0;    // largest of JointNeed
+  Real mass = 0;                     // of the heaviest body on joints, kg
+  Real least = kInfinity, most = 0;  // forces of its joints, N
+  std::uint64_t contacts = 0;        // and joints
+  int wanted = 0;                    // level
+  std::uint8_t before = 0;           // level in the last step
+  std::int8_t trend = -128;          // as level_trend
+  bool hard = false;                 // has contacts that may need more pieces
+  bool jointed = false;              // has joints: only these count
+  bool apart = false;                // has net points, or joints to kinematic bodies
 };
 
 struct Rigid::Impl {
@@ -166,6 +169,8 @@ struct Rigid::Impl {
   Real weight_of(const Pile& pile) const;
   ContactLoad load_of(const Contact& contact, Real rate, const StepContext& c) const;
   const JointNeed* joint_needs(StepContext& c);
+  Real hangs_of(Real per_force, Real mass, const StepContext& c) const;
+  Real need_of_joints(const IslandLoad& island, const StepContext& c) const;
   std::span<Pile> list_piles(IslandLoad* by_root, StepContext& c);
   const Real* carried_weights(std::span<const Pile> piles, StepContext& c);
   const Real* crowds(std::span<const Pile> piles, StepContext& c);

@@ -33,6 +33,9 @@ class JointTrees {
     return direct_[block] != 0;
   }
 
+  // Of the tree that a solver body belongs to.
+  std::uint32_t root(std::uint32_t index) { return trees_.root(index); }
+
   // Once per substep. `inv_inertia`: of even bodies now, world, by solver index; uneven ones are solved in principal
   // axes. `fresh`: masses or inertias are not those of the substep before.
   void factor(const TreeRows& rows, const SolverInput& in, std::span<const Mat3> inv_inertia, bool fresh);

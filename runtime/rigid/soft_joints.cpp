@@ -21,6 +21,7 @@ namespace {
 
 constexpr JobGrain kStrainGrain{1024, 8'000};  // bodies per job
 constexpr Real kRadian = Real(0.3);            // m, that an error of one radian counts as
+constexpr Real kMostTurn = Real(0.03);         // rad, in a substep, by a correction of positions
 constexpr Real kStrain = 2;  // (h omega)^2 up to which a body keeps its inertia; above 4 the substep is unstable
 
 }  // namespace
@@ -440,7 +441,7 @@ void SoftJoints::solve_block(std::size_t index, const SolverInput& in, bool bias
 
 // Position correction of trees by pseudo-velocities, which are no part of the momentum: what a biased impulse does in
 // one pose the relax pass, in another pose, would not undo.
-void SoftJoints::slide_trees(const SolverInput& in) {
+void SoftJoints::slide_trees(const SolverInput& in, Real h) {
   FEDER_ASSERT(slides_.size() == in.solver_bodies->state.size());
   for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = ready_[i].bias - ready_[i].relaxed_bias;
   trees_.solve(rows_, nullptr, bias_, step_);
@@ -462,12 +463,30 @@ void SoftJoints::slide_trees(const SolverInput& in) {
     side(block.index_a, -push, moment_a);
     side(block.index_b, push, moment_b);
   }
+  bound_slides(h);
 }
 
-void SoftJoints::solve_trees(const SolverInput& in, bool biased) {
+// A correction that straightens what is buckled turns the light links of a taut chain, the farther the straighter they
+// are: beyond the straight line, from where the next one turns them back. So the fastest body of a tree turns by
+// kMostTurn, and all of the tree in proportion.
+void SoftJoints::bound_slides(Real h) {
+  const Real limit = kMostTurn / h;
+  fastest_.assign(slides_.size(), 0);
+  for (const std::uint32_t i : bodies_) {
+    Real& fastest = fastest_[trees_.root(i)];
+    fastest = std::max(fastest, length(slides_[i].angular_velocity));
+  }
+  for (const std::uint32_t i : bodies_) {
+    const Real fastest = fastest_[trees_.root(i)];
+    if (fastest <= limit) continue;
+    slides_[i].velocity *= limit / fastest, slides_[i].angular_velocity *= limit / fastest;
+  }
+}
+
+void SoftJoints::solve_trees(const SolverInput& in, Real h, bool biased) {
   bias_.resize(rows_.size());
   step_.resize(rows_.size());
-  if (biased && uneven_) slide_trees(in), biased = false;
+  if (biased && uneven_) slide_trees(in, h), biased = false;
   for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = biased ? ready_[i].bias : ready_[i].relaxed_bias;
   trees_.solve(rows_, in.solver_bodies, bias_, step_);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -481,9 +500,9 @@ void SoftJoints::solve_trees(const SolverInput& in, bool biased) {
   if (!uneven_) trees_.move_bodies(*in.solver_bodies);
 }
 
-void SoftJoints::solve_rows(const SolverInput& in, bool biased) {
+void SoftJoints::solve_rows(const SolverInput& in, Real h, bool biased) {
   FEDER_ASSERT(ready_.size() == rows_.size() && prepared_.size() == blocks_.size());
-  if (!trees_.empty()) solve_trees(in, biased);
+  if (!trees_.empty()) solve_trees(in, h, biased);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const std::size_t at = biased ? i : blocks_.size() - 1 - i;
     if (!is_direct(at)) solve_block(at, in, biased);
@@ -494,12 +513,12 @@ void SoftJoints::solve_rows(const SolverInput& in, bool biased) {
 void SoftJoints::solve(const SolverInput& in, StepContext& c) {
   start(in, c);
   if (!wide_.empty()) wide_.solve(pass(in, c), c);
-  solve_rows(in, true);
+  solve_rows(in, c.h, true);
 }
 
 void SoftJoints::relax(const SolverInput& in, StepContext& c) {
   drifted_ = true;
-  solve_rows(in, false);
+  solve_rows(in, c.h, false);
   if (!wide_.empty()) wide_.relax(pass(in, c), c);
   if (!in.breakable_joints.empty()) note_loads(in, c.h);
 }

@@ -91,9 +91,10 @@ class SoftJoints {
   void note_loads(const SolverInput& in, Real h) const;
   void fill_rows(const SolverInput& in, Real h);
   void prepare_rows(const RowBlock& block, Real h);
-  void slide_trees(const SolverInput& in);
-  void solve_trees(const SolverInput& in, bool biased);
-  void solve_rows(const SolverInput& in, bool biased);
+  void slide_trees(const SolverInput& in, Real h);
+  void bound_slides(Real h);
+  void solve_trees(const SolverInput& in, Real h, bool biased);
+  void solve_rows(const SolverInput& in, Real h, bool biased);
   void solve_block(std::size_t index, const SolverInput& in, bool biased);
 
   Arena& arena_;
@@ -118,6 +119,7 @@ class SoftJoints {
   Array<std::uint8_t> in_contact_{&arena_};  // by solver index: joints connect it to a body in contact
   Array<std::uint32_t> torn_{&arena_};       // blocks with a bias above push_speed
   Array<BodySlide> slides_{&arena_};         // by solver index
+  Array<Real> fastest_{&arena_};             // by root of a tree: rad/s
   Array<Mat3> inv_inertia_{&arena_};         // by solver index, world, for the joints of this substep
   Real hertz_, damping_ratio_, push_speed_;
   bool use_trees_;

@@ -1,0 +1,100 @@
+// Heavy loads on chains and bridges that meet other bodies, at default settings. The whole ranges are late tests.
+#include "rigid/closed_scene.h"
+
+using namespace feder;
+
+namespace {
+
+struct Loaded {
+  ClosedScene s{"soft_step"};
+  double worst = 0, last = 0;  // m, that a joint is open
+  double start = 0, most = 0;  // J
+  int warnings = 0;   // mass_ratio
+
+  ObjectId box(const Vec3& size, const Vec3& at, double mass) {
+    BodyDesc d = body_of(make_box(size[0], size[1], size[2]), at, Real(mass), Real(0.6));
+    if (mass == 0) d.type = BodyType::fixed;
+    return s.rigid().add_body(d);
+  }
+  void join(ObjectId a, ObjectId b, const Vec3& at) {
+    JointDesc j;
+    j.type = "ball";
+    j.a = a, j.b = b;
+    j.anchor_a = at;
+    s.rigid().add_joint(j);
+  }
+  double energy() {
+    const Energy e = s.world().energy();
+    return e.kinetic + e.potential;
+  }
+  void run(double seconds) {
+    start = most = energy();
+    for (int step = 0; step < int(60 * seconds); ++step) {
+      s.world().step();
+      for (const Residual& r : s.world().residuals())
+        if (std::string(r.name) == "rigid.joint_error_m") worst = std::max(worst, last = r.value);
+      most = std::max(most, energy());
+      for (const Event& e : s.world().events().list())
+        if (e.kind == EventKind::warning && s.world().events().warning_code(e) == "mass_ratio") ++warnings;
+    }
+  }
+};
+
+// A ball of `ratio` kg on 12 links of 1 kg and 1 m, drawn aside by `degrees`, swings into a wall of 6 x 6 crates.
+void wrecking_ball(Loaded& t, double ratio, double degrees) {
+  t.s.rigid().add_body(ground_of(Real(0.6)));
+  for (int row = 0; row < 6; ++row)
+    for (int column = 0; column < 6; ++column)
+      t.box(Vec3(1, 1, 1), Vec3(3, Real(0.5 + row), Real(column - 2.5)), 10);
+  const double angle = degrees * 3.14159265358979 / 180, c = std::cos(angle), s = std::sin(angle);
+  const auto along = [&](double length) { return Vec3(Real(1 - length * s), Real(16 - length * c), 0); };
+  ObjectId last = t.box(Vec3(Real(0.2), Real(0.2), Real(0.2)), along(0), 0);
+  for (int k = 0; k <= 12; ++k) {
+    BodyDesc d = body_of(k < 12 ? make_capsule(Real(0.1), Real(0.6)) : make_sphere(1), along(k < 12 ? k + 0.5 : 13),
+                         Real(k < 12 ? 1 : ratio), Real(0.6));
+    d.rotation = from_axis_angle(Vec3(0, 0, 1), Real(-angle));
+    if (k < 12) d.mask = 0;
+    const ObjectId body = t.s.rigid().add_body(d);
+    t.join(last, body, along(k));
+    last = body;
+  }
+}
+
+}  // namespace
+
+TEST_CASE("a wrecking ball stays on its chain", "[rigid][overload]") {
+  const double ratio = GENERATE(100.0, 700.0, 1080.0, 5000.0), degrees = GENERATE(50.0, 85.0);
+  CAPTURE(ratio, degrees);
+  Loaded t;
+  wrecking_ball(t, ratio, degrees);
+  t.run(10);
+  CAPTURE(t.worst, t.most - t.start);
+  CHECK(t.worst < 0.05);
+  CHECK(t.most - t.start < 0.01 * ratio * kG * 13);
+}
+
+// Links of 1 kg and half a metre lie in a zigzag; the load falls by `drop` until they are taut.
+TEST_CASE("a load that falls into its chain does not tear it", "[rigid][overload]") {
+  const bool level = GENERATE(false, true);  // it falls 4.5 m, else .4 m
+  const double ratio = GENERATE(100.0, 500.0, 1000.0, 5000.0);
+  if (level && ratio > 1000) return;  // gains energy
+  CAPTURE(ratio, level);
+  Loaded t;
+  ObjectId last = t.box(Vec3(Real(0.2), Real(0.2), Real(0.2)), Vec3(0, 0, 0), 0);
+  Vec3 at(0, 0, 0);
+  for (int k = 0; k < 10; ++k) {
+    const double angle = level ? 0.1 : 1.2;  // from the horizontal
+    const Vec3 step(Real((k % 2 ? -0.5 : 0.5) * std::cos(angle)), Real(-0.5 * std::sin(angle)), 0);
+    BodyDesc d = body_of(k < 9 ? make_capsule(Real(0.05), Real(0.3)) : make_sphere(Real(0.5)), at + step / 2, Real(k < 9 ? 1 : ratio));
+    if (k == 9) d.position = at;
+    d.mask = 0;
+    const ObjectId body = t.s.rigid().add_body(d);
+    t.join(last, body, at);
+    last = body, at += step;
+  }
+  t.run(10);
+  CAPTURE(t.worst, t.most - t.start);
+  CHECK(t.worst < 0.2);
+  CHECK(t.last < 1e-3);
+  CHECK(t.most - t.start < 0.01 * ratio * kG * 5);
+}
