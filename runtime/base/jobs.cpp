@@ -75,7 +75,7 @@ bool JobPool::take_blocks(std::uint64_t epoch, int worker) {
   const auto function = function_.load(std::memory_order_relaxed);
   void* const body = body_.load(std::memory_order_relaxed);
   const auto all = static_cast<std::uint64_t>(threads_);
-  bool any = false;
+  std::uint32_t ran = 0;
   for (std::uint64_t k = 0; k < all; ++k) {
     const std::uint64_t s = (static_cast<std::uint64_t>(worker) + k) % all, end = blocks * (s + 1) / all;
     std::atomic<std::uint64_t>& word = shares_[s].left;
@@ -85,15 +85,13 @@ bool JobPool::take_blocks(std::uint64_t epoch, int worker) {
       const std::uint64_t from = first + (end - (left & kLeftMask)) * items;
       function(body, static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(std::min(from + items, last)),
                worker);
-      any = true;
-      if (done_.fetch_add(1, std::memory_order_acq_rel) + 1 == blocks) {
-        next_stage();
-        return true;
-      }
+      ++ran;
       left = word.load(std::memory_order_acquire);
     }
   }
-  return any;
+  // counted together: a word that all write after each block would travel between their caches
+  if (ran > 0 && done_.fetch_add(ran, std::memory_order_acq_rel) + ran == blocks) next_stage();
+  return ran > 0;
 }
 
 // By one thread at a time: the caller at the start of a loop, then who did the last block of a stage.

@@ -208,29 +208,49 @@ const Real* Rigid::Impl::crowds(std::span<const Pile> piles, StepContext& c) {
   return crowd;
 }
 
+// Bodies whose contacts may need more pieces: of all contacts, or of some and the new ones.
+std::span<const std::uint32_t> Rigid::Impl::list_hard(Real rate, bool all, StepContext& c) {
+  constexpr JobGrain kGrain{256, 10'000};  // contacts
+  const auto count = static_cast<std::uint32_t>(contacts.active.size());
+  std::uint32_t* hard = c.scratch->take<std::uint32_t>(count);
+  std::uint32_t* in_block = c.scratch->take<std::uint32_t>(count / kGrain.items + 1);
+  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    std::uint32_t end = first;
+    for (std::uint32_t n = first; n < last; ++n) {
+      const std::uint32_t slot = contacts.active[n];
+      const Contact& contact = contacts.slots[slot];
+      const bool carried_nothing = contact.points[0].normal_impulse == 0;  // new, perhaps
+      if (!all && !carried_nothing && (slot + c.step) % kLookSteps != 0) continue;
+      const ContactLoad load = load_of(contact, rate, c);
+      if (load.body == kNone || !bodies.moves(load.body)) continue;
+      if (load.sinks > kHolds || (load.ratio * load.ratio - 1) * load.by_weight > kLooks) hard[end++] = load.body;
+    }
+    in_block[first / kGrain.items] = end - first;
+  });
+  std::uint32_t end = 0;
+  for (std::uint32_t first = 0; first < count; first += kGrain.items) {
+    const std::uint32_t found = in_block[first / kGrain.items];
+    std::copy(hard + first, hard + first + found, hard + end);
+    end += found;
+  }
+  return {hard, end};
+}
+
 // Levels of the islands: for the weights at once, for impulses one by one.
 void Rigid::Impl::choose_levels(StepContext& c) {
   levels.clear();
   carried = nullptr;
   const ContactSpring spring = solver->contact_spring(c.h);
   if (!(spring.rate > 0)) return;
-  std::uint32_t* hard = c.scratch->take<std::uint32_t>(contacts.active.size());
-  std::size_t hard_count = 0;
   bool any = false;  // island that has pieces, or may soon
   for (const std::uint32_t i : moving) any = any || level[i] > 0 || level_trend[i] != 0;
-  for (const std::uint32_t slot : contacts.active) {
-    const bool carried_nothing = contacts.slots[slot].points[0].normal_impulse == 0;  // new, perhaps
-    if (!any && !carried_nothing && (slot + c.step) % kLookSteps != 0) continue;
-    const ContactLoad load = load_of(contacts.slots[slot], spring.rate, c);
-    if (load.body == kNone || !bodies.moves(load.body)) continue;
-    if (load.sinks > kHolds || (load.ratio * load.ratio - 1) * load.by_weight > kLooks) hard[hard_count++] = load.body;
-  }
+  const std::span<const std::uint32_t> hard = list_hard(spring.rate, any, c);
   const JointNeed* by_joints = active_joints.empty() || (!any && c.step % kLookSteps != 0) ? nullptr : joint_needs(c);
-  if (!any && hard_count == 0 && !by_joints) return;
+  if (!any && hard.empty() && !by_joints) return;
   join_islands();
   IslandLoad* by_root = c.scratch->take<IslandLoad>(bodies.size());
   for (const std::uint32_t i : moving) by_root[i] = {};
-  for (std::size_t n = 0; n < hard_count; ++n) by_root[islands.root(hard[n])].hard = true;
+  for (const std::uint32_t i : hard) by_root[islands.root(i)].hard = true;
   for (const std::uint32_t i : moving) {
     IslandLoad& island = by_root[islands.root(i)];
     island.hard = island.hard || level[i] > 0;

@@ -14,7 +14,12 @@ constexpr int kFixedColor = 48;  // colours from here on: contacts against immov
 // as long, with 1 a tower sinks a twentieth deeper.
 constexpr Real kSupport = 0.75;
 // batches per job
-constexpr JobGrain kSolveGrain{8, 2'500}, kStoreGrain{8, 1'000};
+constexpr JobGrain kStoreGrain{8, 1'000};
+constexpr JobGrain kEndsGrain{512, 8'000};  // contacts
+
+struct Ends {
+  std::uint32_t a, b;  // solver indices
+};
 
 static_assert(kBatchPoints == kMaxContactPoints);
 
@@ -38,13 +43,20 @@ void ContactGroup::color(const SolverInput& in, StepContext& c, const ContactSha
   const std::uint32_t count = static_cast<std::uint32_t>(slots.size());
   std::uint64_t* taken = shared.colors;
   std::uint8_t* color_of = c.scratch->take<std::uint8_t>(count);
+  // in parallel what misses the caches
+  Ends* ends = c.scratch->take<Ends>(count);
+  c.jobs->for_blocks(count, kEndsGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) {
+      const Contact& contact = contacts.slots[slots[i]];
+      ends[i] = {in.solver_index(contact.collider_a), in.solver_index(contact.collider_b)};
+    }
+  });
   // the world and kinematic solver bodies never conflict
   const std::uint64_t kFixedMask = ~std::uint64_t(0) << kFixedColor;
   // greedy: the first colour that neither body has; and how crowded each body is
   std::uint32_t of_color[kColors + 1] = {};
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Contact& contact = contacts.slots[slots[i]];
-    const std::uint32_t a = in.solver_index(contact.collider_a), b = in.solver_index(contact.collider_b);
+    const auto [a, b] = ends[i];
     const bool moves_a = shared.masses[a].movable > 0, moves_b = shared.masses[b].movable > 0;
     std::uint64_t used = (moves_a ? taken[a] : 0) | (moves_b ? taken[b] : 0);
     used |= moves_a && moves_b ? kFixedMask : ~kFixedMask;
@@ -233,21 +245,17 @@ bool ContactGroup::any_strikes() const {
 
 void ContactGroup::run(void (*kernel)(const ContactPass&), ContactPass p, JobPool& jobs) {
   if (batch_count_ == 0) return;
-  // batches lie in the order of their colours: alone, one thread does all in one go
-  const bool alone = jobs.threads() == 1;
-  p.first = 0, p.last = alone ? batch_count_ : overflow_count_;
-  if (p.last) kernel(p);
-  if (alone) return;
-  const auto solve = [&p, kernel](std::uint32_t from, std::uint32_t to, int) {
-    ContactPass part = p;
-    part.first = from, part.last = to;
-    kernel(part);
+  if (jobs.threads() == 1) {  // batches lie in the order of their colours: one thread does all in one go
+    p.first = 0, p.last = batch_count_;
+    kernel(p);
+    return;
+  }
+  const auto part = [&p, kernel](std::uint32_t first, std::uint32_t last, int) {
+    ContactPass own = p;
+    own.first = first, own.last = last;
+    kernel(own);
   };
-  std::size_t count = 0;
-  for (int k = 0; k < kColors; ++k)
-    if (color_first_[k] < color_first_[k + 1])
-      stages_[count++] = JobPool::stage(color_first_[k], color_first_[k + 1], kSolveGrain, solve);
-  jobs.run_stages({stages_, count});
+  jobs.run_stages({stages_, stages(part, stages_)});
 }
 
 }  // namespace feder

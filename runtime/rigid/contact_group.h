@@ -27,8 +27,21 @@ class ContactGroup {
   // The contacts in `slots`; `level`: their substep is done in 2^level pieces.
   void build(const SolverInput& in, StepContext& c, const ContactShared& shared, std::span<const std::uint32_t> slots,
              int level);
-  // Colours of batches [first, last) one after the other; `pass` has all but the range.
+  // Runs a kernel over all batches, colour after colour; `pass` has all but the range.
   void run(void (*kernel)(const ContactPass&), ContactPass pass, JobPool& jobs);
+  // The same as stages of a loop: body(first, last, worker) is called for batches of one colour. Returns their number.
+  static constexpr int kMostStages = 65;  // colours, and before them what found none
+  template <class Body>
+  std::size_t stages(Body& body, JobPool::Stage* to) const {
+    std::size_t count = 0;
+    if (overflow_count_ > 0)  // one after the other
+      to[count++] = JobPool::stage(0, overflow_count_, {overflow_count_, overflow_count_ * kBatchNs}, body);
+    for (int k = 0; k < kColors; ++k)
+      if (color_first_[k] < color_first_[k + 1])
+        to[count++] =
+            JobPool::stage(color_first_[k], color_first_[k + 1], {kSolveBatches, kSolveBatches * kBatchNs}, body);
+    return count;
+  }
   void store(Contacts& contacts, JobPool& jobs) const;
   ContactPass pass() const;  // with batches alone
   // Batches [first, last) from their contacts, as `prepare` of the kernels wants them.
@@ -45,7 +58,8 @@ class ContactGroup {
   bool bounces() const { return strikes_ != nullptr; }
 
  private:
-  static constexpr int kColors = 64;
+  static constexpr int kColors = kMostStages - 1;
+  static constexpr std::uint32_t kSolveBatches = 8, kBatchNs = 300;  // of a block; of a batch
   void color(const SolverInput& in, StepContext& c, const ContactShared& shared, std::span<const std::uint32_t> slots);
   void check_colors(const SolverInput& in, StepContext& c, const ContactShared& shared,
                     std::span<const std::uint32_t> slots) const;
@@ -59,7 +73,7 @@ class ContactGroup {
   std::uint32_t* lanes_ = nullptr;  // contact slot by batch and lane, kNone where empty
   std::uint32_t batch_count_ = 0, overflow_count_ = 0;
   std::uint32_t color_first_[kColors + 1] = {};  // first batch of each colour; the overflow comes before colour 0
-  JobPool::Stage stages_[kColors];               // of the kernel that runs: its colours
+  JobPool::Stage stages_[kMostStages];           // of the kernel that runs
   int level_ = 0;
 };
 

@@ -174,6 +174,7 @@ struct Rigid::Impl {
   std::span<Pile> list_piles(IslandLoad* by_root, StepContext& c);
   const Real* carried_weights(std::span<const Pile> piles, StepContext& c);
   const Real* crowds(std::span<const Pile> piles, StepContext& c);
+  std::span<const std::uint32_t> list_hard(Real rate, bool all, StepContext& c);
   void choose_levels(StepContext& c);
   void share_out(IslandLoad* by_root, StepContext& c);
   void check_loads(StepContext& c);

@@ -70,8 +70,7 @@ void Rigid::Impl::gather(StepContext& c) {
   last_h = c.h;
   rebuild_list();  // contacts may have woken bodies
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
-  solver_bodies.reset();
-  solver_bodies.resize(count);
+  solver_bodies.reset(count);
   jointed.clear();
   applied_force.resize(count), applied_torque.resize(count);
   angular_momentum.resize(count), bad.resize(count);

@@ -80,23 +80,29 @@ class SoftStep final : public RigidSolver {
     bool first;       // of the step
     std::uint32_t k;  // in the step
   };
-  // Calls f(i) for the solver bodies of a group but the world, in parallel.
+  // Calls f(i) for some solver bodies of a group but the world: the numbers first to last - 1 of listed_bodies.
+  template <class F>
+  void each_of(const Group& g, std::uint32_t first, std::uint32_t last, F&& f) const {
+    if (split_)
+      for (std::uint32_t n = first; n < last; ++n) f(g.bodies[n]);
+    else
+      for (std::uint32_t i = std::max(first, 1u); i < last; ++i) f(i);
+  }
+  std::uint32_t listed_bodies(const Group& g) const {
+    return static_cast<std::uint32_t>(split_ ? g.bodies.size() : body_count_);
+  }
+  // For all of them, in parallel.
   template <class F>
   void each_body(const Group& g, StepContext& c, F&& f) {
-    const std::uint32_t count = static_cast<std::uint32_t>(split_ ? g.bodies.size() : body_count_);
-    c.jobs->for_blocks(count, kBodyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      if (split_)
-        for (std::uint32_t n = first; n < last; ++n) f(g.bodies[n]);
-      else
-        for (std::uint32_t i = std::max(first, 1u); i < last; ++i) f(i);
-    });
+    c.jobs->for_blocks(listed_bodies(g), kBodyGrain,
+                       [&](std::uint32_t first, std::uint32_t last, int) { each_of(g, first, last, f); });
   }
   void make_groups(const SolverInput& in, StepContext& c);
   void prepare_contacts(const SolverInput& in, StepContext& c);
   void prepare_joints(Group& g, const SolverInput& in, StepContext& c);
-  void start_velocities(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
-  void integrate(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
-  void end_velocities(Group& g, const SolverInput& in, StepContext& c);
+  void start_velocity(std::uint32_t i, bool again, SolverBody& s);
+  void move(std::uint32_t i, Real h, std::span<const BodySlide> slides, const SolverInput& in);
+  void end_velocity(std::uint32_t i, const SolverBody& s);
   void report_corrections(const Group& g, const Piece& piece, const SolverInput& in);
   ContactPass pass(const Group& g, const Piece& piece, const SolverInput& in, const StepContext& c) const;
   void strike(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
@@ -111,6 +117,7 @@ class SoftStep final : public RigidSolver {
     for (const std::uint32_t j : g.joints)
       for (Real& impulse : in.joints[j].impulse) impulse *= by;
   }
+  void solve_staged(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
   void solve_piece(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
   void solve_in_pieces(Group& g, const SolverInput& in, StepContext& c);
 
@@ -121,8 +128,9 @@ class SoftStep final : public RigidSolver {
   bool joint_trees_;
   Arena& arena_;
   const JointKernels& joint_kernels_;
-  Group groups_[kLevels];  // by level; the first has one piece
-  bool split_ = false;     // there are others than the first
+  Group groups_[kLevels];                                       // by level; the first has one piece
+  bool split_ = false;                                          // there are others than the first
+  JobPool::Stage stages_[3 * (ContactGroup::kMostStages + 1)];  // of a piece
 
   // in the step's scratch memory
   ContactShared shared_;
@@ -272,33 +280,21 @@ void SoftStep::prepare_contacts(const SolverInput& in, StepContext& c) {
   }
 }
 
-void SoftStep::start_velocities(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
-  FEDER_ASSERT(before_);
-  SolverBody* state = in.solver_bodies->state.data();
-  const bool again = !piece.first && !g.contacts.empty();
-  each_body(g, c, [&](std::uint32_t i) {
-    Real* before = before_ + std::size_t(i) * 6;
-    const Real* change = contact_change_ + std::size_t(i) * 6;
-    for (int k = 0; k < 3; ++k) {
-      before[k] = state[i].velocity[k];
-      before[k + 3] = state[i].angular_velocity[k];
-      if (!again) continue;
-      state[i].velocity[k] += change[k];
-      state[i].angular_velocity[k] += change[k + 3];
-    }
-  });
+// Velocities before contacts, and the warm start of all pieces of a step but the first.
+void SoftStep::start_velocity(std::uint32_t i, bool again, SolverBody& s) {
+  Real* before = before_ + std::size_t(i) * 6;
+  put_velocity(s, before);
+  if (!again) return;
+  const Real* change = contact_change_ + std::size_t(i) * 6;
+  for (int k = 0; k < 3; ++k) s.velocity[k] += change[k], s.angular_velocity[k] += change[k + 3];
 }
 
-void SoftStep::end_velocities(Group& g, const SolverInput& in, StepContext& c) {
-  const SolverBody* state = in.solver_bodies->state.data();
-  each_body(g, c, [&](std::uint32_t i) {
-    const Real* before = before_ + std::size_t(i) * 6;
-    Real* change = contact_change_ + std::size_t(i) * 6;
-    for (int k = 0; k < 3; ++k) {
-      change[k] = state[i].velocity[k] - before[k];
-      change[k + 3] = state[i].angular_velocity[k] - before[k + 3];
-    }
-  });
+// What contacts changed.
+void SoftStep::end_velocity(std::uint32_t i, const SolverBody& s) {
+  const Real* before = before_ + std::size_t(i) * 6;
+  Real* change = contact_change_ + std::size_t(i) * 6;
+  for (int k = 0; k < 3; ++k)
+    change[k] = s.velocity[k] - before[k], change[k + 3] = s.angular_velocity[k] - before[k + 3];
 }
 
 // Drift of an uneven jointed body after contacts: free rotation for h seconds, rad.
@@ -308,24 +304,20 @@ Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, const SolverMass&
   return rotate_jointed(j, h);
 }
 
-void SoftStep::integrate(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
-  SolverBody* state = in.solver_bodies->state.data();
-  const Real h = piece.h;
-  const std::span<const BodySlide> slides = g.joints.empty() ? std::span<const BodySlide>() : g.soft_joints->slides();
-  FEDER_ASSERT(slides.empty() || slides.size() == body_count_);
-  each_body(g, c, [&](std::uint32_t i) {
-    SolverBody& s = state[i];
-    s.delta_position += h * s.velocity;
-    Vec3 rotation = h * s.angular_velocity;
-    if (!slides.empty()) {
-      s.delta_position += h * slides[i].velocity;
-      if (JointedBody* j = in.uneven(i)) rotation = drift_delta_rotation(*j, s, in.solver_bodies->mass[i], h);
-      rotation += h * slides[i].angular_velocity;
-    }
-    if (rotation[0] == 0 && rotation[1] == 0 && rotation[2] == 0) return;
-    s.delta_rotation += rotation;
-    s.rotation = integrate_rotation(s.rotation, rotation);
-  });
+// `slides`: of the group; empty where no tree corrects positions.
+void SoftStep::move(std::uint32_t i, Real h, std::span<const BodySlide> slides, const SolverInput& in) {
+  SolverBody& s = in.solver_bodies->state[i];
+  s.delta_position += h * s.velocity;
+  Vec3 rotation = h * s.angular_velocity;
+  if (!slides.empty()) {
+    FEDER_ASSERT(slides.size() == body_count_);
+    s.delta_position += h * slides[i].velocity;
+    if (JointedBody* j = in.uneven(i)) rotation = drift_delta_rotation(*j, s, in.solver_bodies->mass[i], h);
+    rotation += h * slides[i].angular_velocity;
+  }
+  if (rotation[0] == 0 && rotation[1] == 0 && rotation[2] == 0) return;
+  s.delta_rotation += rotation;
+  s.rotation = integrate_rotation(s.rotation, rotation);
 }
 
 // Rotation by bias velocities, which the relax pass removed from the velocity.
@@ -390,7 +382,11 @@ void SoftStep::keep_out(const Group& g, const SolverInput& in, StepContext& c, F
 }
 
 void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
-  start_velocities(g, piece, in, c);
+  if (c.jobs->threads() > 1 && g.joints.empty() && !g.contacts.empty() && !g.contacts.bounces())
+    return solve_staged(g, piece, in, c);
+  SolverBody* state = in.solver_bodies->state.data();
+  const bool again = !piece.first && !g.contacts.empty();
+  each_body(g, c, [&](std::uint32_t i) { start_velocity(i, again, state[i]); });
   const auto run = [&](void (*kernel)(const ContactPass&)) {
     if (!g.contacts.empty()) g.contacts.run(kernel, pass(g, piece, in, c), *c.jobs);
   };
@@ -402,11 +398,42 @@ void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, 
   time.h = piece.h, time.substep = static_cast<int>(piece.k);
   if (jointed) keep_out(g, in, c, [&] { g.soft_joints->solve(own, time); });
   run(kernels_->solve);
-  integrate(g, piece, in, c);
+  const std::span<const BodySlide> slides = jointed ? g.soft_joints->slides() : std::span<const BodySlide>();
+  each_body(g, c, [&](std::uint32_t i) { move(i, piece.h, slides, in); });
   if (jointed) keep_out(g, in, c, [&] { g.soft_joints->relax(own, time); });
   if (jointed && !g.soft_joints->all_direct()) report_corrections(g, piece, in);
   run(kernels_->relax);
-  if (!g.contacts.empty()) end_velocities(g, in, c);
+  if (!g.contacts.empty()) each_body(g, c, [&](std::uint32_t i) { end_velocity(i, state[i]); });
+}
+
+// Contacts alone, on several threads: the whole piece is one loop, whose threads stay awake from stage to stage.
+void SoftStep::solve_staged(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
+  SolverBody* state = in.solver_bodies->state.data();
+  const ContactPass all = pass(g, piece, in, c);
+  const auto over_batches = [&all](void (*kernel)(const ContactPass&)) {
+    return [&all, kernel](std::uint32_t first, std::uint32_t last, int) {
+      ContactPass part = all;
+      part.first = first, part.last = last;
+      kernel(part);
+    };
+  };
+  const auto over_bodies = [&](const auto& f) {
+    return [&, f](std::uint32_t first, std::uint32_t last, int) { each_of(g, first, last, f); };
+  };
+  const auto start = over_bodies([&](std::uint32_t i) { start_velocity(i, !piece.first, state[i]); });
+  const auto drift = over_bodies([&](std::uint32_t i) { move(i, piece.h, {}, in); });
+  const auto end = over_bodies([&](std::uint32_t i) { end_velocity(i, state[i]); });
+  const auto warm_start = over_batches(kernels_->warm_start), solve = over_batches(kernels_->solve),
+             relax = over_batches(kernels_->relax);
+  const std::uint32_t bodies = listed_bodies(g);
+  std::size_t count = 0;
+  stages_[count++] = JobPool::stage(0, bodies, kBodyGrain, start);
+  if (piece.first) count += g.contacts.stages(warm_start, &stages_[count]);
+  count += g.contacts.stages(solve, &stages_[count]);
+  stages_[count++] = JobPool::stage(0, bodies, kBodyGrain, drift);
+  count += g.contacts.stages(relax, &stages_[count]);
+  stages_[count++] = JobPool::stage(0, bodies, kBodyGrain, end);
+  c.jobs->run_stages({stages_, count});
 }
 
 // What changed the velocities since the last substep, and the momenta of uneven jointed bodies, comes in equal parts.

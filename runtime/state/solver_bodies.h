@@ -54,18 +54,13 @@ struct SolverBodies {
     index[slot] = 0;
     free_list.push_back(slot);
   }
-  void reset() {  // start of a step: only the world
-    state.assign(1, SolverBody{});
-    mass.assign(1, SolverMass{});
+  // Start of a step: the world, and room for `count` solver bodies after it, for an owner that fills them, and
+  // `indexed`, by index.
+  void reset(std::uint32_t count = 0) {
     for (const std::uint32_t slot : indexed)
       if (slot < index.size()) index[slot] = 0;
-    indexed.assign(1, kNone);
-  }
-  // Room for `count` solver bodies after the world, for an owner that fills them, and `indexed`, by index.
-  void resize(std::uint32_t count) {
-    state.resize(count + 1);
-    mass.resize(count + 1);
-    indexed.resize(count + 1, kNone);
+    state.resize(count + 1), mass.resize(count + 1), indexed.resize(count + 1);
+    state[0] = {}, mass[0] = {}, indexed[0] = kNone;
   }
   void clear_indices() {  // after a load
     for (std::uint32_t& s : index) s = 0;

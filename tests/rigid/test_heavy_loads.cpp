@@ -9,7 +9,7 @@ struct Loaded {
   ClosedScene s{"soft_step"};
   double worst = 0, last = 0;  // m, that a joint is open
   double start = 0, most = 0;  // J
-  int warnings = 0;   // mass_ratio
+  int warnings = 0;            // mass_ratio
 
   ObjectId box(const Vec3& size, const Vec3& at, double mass) {
     BodyDesc d = body_of(make_box(size[0], size[1], size[2]), at, Real(mass), Real(0.6));
@@ -44,8 +44,7 @@ struct Loaded {
 void wrecking_ball(Loaded& t, double ratio, double degrees) {
   t.s.rigid().add_body(ground_of(Real(0.6)));
   for (int row = 0; row < 6; ++row)
-    for (int column = 0; column < 6; ++column)
-      t.box(Vec3(1, 1, 1), Vec3(3, Real(0.5 + row), Real(column - 2.5)), 10);
+    for (int column = 0; column < 6; ++column) t.box(Vec3(1, 1, 1), Vec3(3, Real(0.5 + row), Real(column - 2.5)), 10);
   const double angle = degrees * 3.14159265358979 / 180, c = std::cos(angle), s = std::sin(angle);
   const auto along = [&](double length) { return Vec3(Real(1 - length * s), Real(16 - length * c), 0); };
   ObjectId last = t.box(Vec3(Real(0.2), Real(0.2), Real(0.2)), along(0), 0);
@@ -85,7 +84,8 @@ TEST_CASE("a load that falls into its chain does not tear it", "[rigid][overload
   for (int k = 0; k < 10; ++k) {
     const double angle = level ? 0.1 : 1.2;  // from the horizontal
     const Vec3 step(Real((k % 2 ? -0.5 : 0.5) * std::cos(angle)), Real(-0.5 * std::sin(angle)), 0);
-    BodyDesc d = body_of(k < 9 ? make_capsule(Real(0.05), Real(0.3)) : make_sphere(Real(0.5)), at + step / 2, Real(k < 9 ? 1 : ratio));
+    BodyDesc d = body_of(k < 9 ? make_capsule(Real(0.05), Real(0.3)) : make_sphere(Real(0.5)), at + step / 2,
+                         Real(k < 9 ? 1 : ratio));
     if (k == 9) d.position = at;
     d.mask = 0;
     const ObjectId body = t.s.rigid().add_body(d);
