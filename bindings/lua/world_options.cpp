@@ -121,6 +121,7 @@ constexpr Option<WorldDesc> kWorldDesc[] = {
     field<&WorldDesc::threads>("threads", "", {1, 64}),
     field<&WorldDesc::dimension>("dimension", "", {2, 3}),
     field<&WorldDesc::sleeping>("sleeping"),
+    field<&WorldDesc::rebuild>("rebuild"),
 };
 
 constexpr Option<WorldSettings> kWorld[] = {
@@ -203,10 +204,10 @@ void apply_override(Catalog systems, WorldSettings& w, const std::string& key, c
     w.desc.threads = static_cast<int>(whole(1, 64));
   } else if (key == "dimension") {
     w.desc.dimension = static_cast<int>(whole(2, 3));
-  } else if (key == "sleeping") {
+  } else if (key == "sleeping" || key == "rebuild") {
     const bool* b = std::get_if<bool>(&value);
     if (!b) throw SceneError(what + ": expected true or false");
-    w.desc.sleeping = *b;
+    (key == "sleeping" ? w.desc.sleeping : w.desc.rebuild) = *b;
   } else if (key == "gravity") {
     const auto* list = std::get_if<std::vector<double>>(&value);
     if (!list || list->size() != 3) throw SceneError(what + ": expected three numbers x,y,z");
@@ -215,8 +216,8 @@ void apply_override(Catalog systems, WorldSettings& w, const std::string& key, c
     w.desc.options.set(key, value);
   } else {
     throw SceneError(what + ": unknown option '" + key + "'" +
-                     did_you_mean(key, {"dt", "substeps", "seed", "threads", "dimension", "sleeping", "gravity",
-                                        "air_density", "broad_phase", "narrow_phase", "rigid.solver"}));
+                     did_you_mean(key, {"dt", "substeps", "seed", "threads", "dimension", "sleeping", "rebuild",
+                                        "gravity", "air_density", "broad_phase", "narrow_phase", "rigid.solver"}));
   }
 }
 

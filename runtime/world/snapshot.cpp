@@ -23,7 +23,7 @@ std::uint64_t hash_of(std::string_view image) {
 }
 }  // namespace
 
-std::string World::snapshot() const {
+std::string World::save_image() const {
   std::string image;
   Writer w(image);
   w.add(kMagic);
@@ -43,6 +43,11 @@ std::string World::snapshot() const {
     forces->save(w);
   else
     w.add(std::uint64_t{0});
+  return image;
+}
+
+std::string World::snapshot() const {
+  std::string image = save_image();
   const Command command(*commands_, "world.snapshot", commands_->recording() ? hash_of(image) : 0);
   return image;
 }

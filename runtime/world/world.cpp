@@ -216,6 +216,7 @@ void World::prepare_queries(Rank rank) {
 void World::step() {
   if (stepping_) throw SceneError("world: step() called inside a step");
   commands_->begin_step();
+  if (desc_.rebuild) load_image(save_image());
   if (structure_changed_) rebuild_plan();
   StepContext c = context();
   FEDER_ASSERT(plan_.nodes().size() >= 2);  // begin and finish, whatever the systems add

@@ -15,15 +15,16 @@ struct WorldDesc {
   std::uint64_t seed = 1;
   int threads = 1;  // 1 .. 64; results do not depend on it
   bool sleeping = true;
-  int dimension = 3;                      // 2: bodies move in the xy plane
-  Params options;                         // broad_phase, narrow_phase
+  bool rebuild = false;  // in every step all that is kept beside the state is made anew: results do not depend on it
+  int dimension = 3;     // 2: bodies move in the xy plane
+  Params options;        // broad_phase, narrow_phase
   std::map<std::string, Params> systems;  // options per system: systems["rigid"] holds solver = "soft_step" ...
 
   // Calls f(field) for all of them, in this order.
   template <class D, class F>
   static void each_field(D& d, F&& f) {
-    f(d.gravity), f(d.dt), f(d.substeps), f(d.seed), f(d.threads), f(d.sleeping), f(d.dimension), f(d.options);
-    f(d.systems);
+    f(d.gravity), f(d.dt), f(d.substeps), f(d.seed), f(d.threads), f(d.sleeping), f(d.rebuild), f(d.dimension);
+    f(d.options), f(d.systems);
   }
 };
 

@@ -121,6 +121,7 @@ class World final : private SystemFinder {
   static void begin_step(void* self, StepContext& context);
   static void merge_contacts(void* self, StepContext& context);
   static void finish_step(void* self, StepContext& context);
+  std::string save_image() const;
   void load_image(std::string_view image);
   void warn_of_forces();
   ForceEntry* find_force(ObjectId force) const;
