@@ -151,13 +151,15 @@ struct Collide::Impl {
   void forget(std::uint32_t collider);
 
   // update.cpp
+  void fetch(const ContactEntry& e) const;
   void test_pair(std::uint32_t head, Real dt);
   void test_sensor(ContactEntry& e);
   bool recycle(std::span<const ContactEntry> group);
-  void test_fresh(std::span<const ContactEntry> group, Real margin);
+  std::uint32_t test_fresh(std::span<const ContactEntry> group, Real margin);
   void write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit);
   void mix(Contact& contact) const;
   void check_contact(ContactEntry& e, Real margin, Real dt);
+  void stay_apart(ContactEntry& e);
   void list_arrivals();
   void list_active(StepContext& c);
 

@@ -7,6 +7,7 @@
 // a new manifold take the impulses of the old points with the same feature, else of the nearest. Weak spot: a pair that
 // rotates together (in a drum) is tested again every few steps.
 #include "base/jobs.h"
+#include "base/prefetch.h"
 #include "collide/impl.h"
 
 namespace feder {
@@ -76,13 +77,22 @@ const ContactPoint* old_point(const ContactPoint& p, std::span<const Contact> ol
 
 }  // namespace
 
+// Slots lie in no order of the entries: what is tested soon is on its way to the cache meanwhile.
+void Collide::Impl::fetch(const ContactEntry& e) const {
+  if (e.bits & kTouching) prefetch(contacts->slots[e.slot]);
+  prefetch(memory[e.slot]);
+}
+
 void Collide::Impl::collide(StepContext& c) {
   merge_pairs();
   const std::uint32_t count = static_cast<std::uint32_t>(entries.size());
+  constexpr std::uint32_t kAhead = 6;
   constexpr JobGrain kGrain{64, 10'000};  // contacts; a third of that when all are recycled
   c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = first; i < last; ++i)
+    for (std::uint32_t i = first; i < last; ++i) {
+      if (i + kAhead < last) fetch(entries[i + kAhead]);
       if (entries[i].sub == 0) test_pair(i, c.dt);
+    }
   });
   leave_out_ghosts(c);
   list_arrivals();
@@ -109,8 +119,13 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
     m.extent = std::min(seen[a].extent, seen[b].extent);
     m.margin = std::min(kSpeculative, kSpeculativeShare * m.extent);
   }
-  if (!recycle(group)) test_fresh(group, m.margin);
-  for (ContactEntry& e : group) {
+  const std::uint32_t written = recycle(group) ? 0 : test_fresh(group, m.margin);
+  for (std::size_t k = 0; k < group.size(); ++k) {
+    ContactEntry& e = group[k];
+    if (!(e.bits & kTouching) && !(written >> k & 1u)) {
+      stay_apart(e);
+      continue;
+    }
     Contact& contact = contacts->slots[e.slot];
     if (contact.fresh || (seen_bits & (kSurfaceChanged | kConveyor))) mix(contact);
     check_contact(e, m.margin, dt);
@@ -155,10 +170,11 @@ bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
   const Vec3 common = common_rotation(rotation_a, rotation_b);
   const bool rotated = dot(common, common) > kRotateNormal * kRotateNormal;
   for (const ContactEntry& e : group) {
+    if (!(e.bits & kTouching)) continue;
     Contact& contact = contacts->slots[e.slot];
     const Real* base = memory[e.slot].base;
     contact.fresh = 0;
-    if (rotated && contact.point_count) rotate_normal(contact, memory[e.slot].normal, common);
+    if (rotated) rotate_normal(contact, memory[e.slot].normal, common);
     for (int k = 0; k < contact.point_count; ++k) {
       ContactPoint& p = contact.points[k];
       const Vec3 slip = apart + cross(rotation_b, p.arm_b) - cross(rotation_a, p.arm_a);
@@ -169,7 +185,8 @@ bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
   return true;
 }
 
-void Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin) {
+// Returns a bit per contact that has points, or had.
+std::uint32_t Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin) {
   const Colliders& c = *colliders;
   ContactMemory& m = memory[group[0].slot];
   const std::uint32_t a = group[0].a, b = group[0].b;
@@ -181,18 +198,17 @@ void Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin)
   m.rotation_a = c.pose[a].rotation, m.rotation_b = c.pose[b].rotation;
   OldContacts old;
   for (const ContactEntry& e : group)
-    if (const Contact& contact = contacts->slots[e.slot]; contact.point_count > 0) old.contact[old.count++] = contact;
+    if (e.bits & kTouching) old.contact[old.count++] = contacts->slots[e.slot];
+  std::uint32_t written = 0;
   for (std::size_t k = 0; k < group.size(); ++k) {
     const bool used = static_cast<int>(k) < count;
-    Contact& contact = contacts->slots[group[k].slot];
-    if (!used && contact.point_count == 0) {
-      contact.fresh = 1;  // empty before and after
-      continue;
-    }
+    if (!used && !(group[k].bits & kTouching)) continue;  // its slot, far from others in memory, is not looked at
+    written |= 1u << k;
     static const Manifold none;
     // matching limit: a tenth of the smaller shape
     write_manifold(group[k], used ? found[k] : none, {old.contact, old.count}, m.extent / 10);
   }
+  return written;
 }
 
 void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit) {
@@ -281,6 +297,12 @@ void Collide::Impl::check_contact(ContactEntry& e, Real margin, Real dt) {
   bits |= kTested | (contact.touching ? kTouching : 0) | (near ? kNear : 0);
   bits |= (near && !was_near ? kArrived : 0) | (watch ? kWatch : 0);
   e.bits = static_cast<std::uint16_t>(bits);
+}
+
+// As check_contact of a contact without points.
+void Collide::Impl::stay_apart(ContactEntry& e) {
+  const int bits = e.bits & ~(kTouching | kNear);
+  e.bits = static_cast<std::uint16_t>(bits | kTested | (bits & kReported ? kWatch : 0));
 }
 
 void Collide::Impl::list_arrivals() {

@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "base/hash.h"
+#include "base/prefetch.h"
 #include "feder/error.h"
 
 namespace feder {
@@ -16,6 +17,8 @@ constexpr Real kSupport = 0.75;
 // batches per job
 constexpr JobGrain kStoreGrain{8, 1'000};
 constexpr JobGrain kEndsGrain{512, 8'000};  // contacts
+
+constexpr std::uint32_t kAhead = 8;  // contacts, asked for before they are read
 
 struct Ends {
   std::uint32_t a, b;  // solver indices
@@ -47,6 +50,7 @@ void ContactGroup::color(const SolverInput& in, StepContext& c, const ContactSha
   Ends* ends = c.scratch->take<Ends>(count);
   c.jobs->for_blocks(count, kEndsGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) {
+      if (i + kAhead < last) __builtin_prefetch(&contacts.slots[slots[i + kAhead]]);
       const Contact& contact = contacts.slots[slots[i]];
       ends[i] = {in.solver_index(contact.collider_a), in.solver_index(contact.collider_b)};
     }
@@ -191,7 +195,12 @@ void ContactGroup::fill_batch(const SolverInput& in, const ContactShared& shared
 
 void ContactGroup::fill(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, std::uint32_t first,
                         std::uint32_t last) {
-  for (std::uint32_t batch = first; batch < last; ++batch) fill_batch(in, shared, gravity, batch);
+  for (std::uint32_t batch = first; batch < last; ++batch) {
+    if (batch + 1 < last)
+      for (const std::uint32_t slot : lanes_of(batch + 1))
+        if (slot != kNone) prefetch(in.contacts->slots[slot]);
+    fill_batch(in, shared, gravity, batch);
+  }
 }
 
 void ContactGroup::store_batch(Contacts& contacts, std::uint32_t batch) const {
@@ -219,7 +228,12 @@ void ContactGroup::store_batch(Contacts& contacts, std::uint32_t batch) const {
 
 void ContactGroup::store(Contacts& contacts, JobPool& jobs) const {
   jobs.for_blocks(batch_count_, kStoreGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = first; i < last; ++i) store_batch(contacts, i);
+    for (std::uint32_t i = first; i < last; ++i) {
+      if (i + 1 < last)
+        for (const std::uint32_t slot : lanes_of(i + 1))
+          if (slot != kNone) prefetch(contacts.slots[slot]);
+      store_batch(contacts, i);
+    }
   });
 }
 

@@ -63,6 +63,9 @@ class ContactGroup {
   void color(const SolverInput& in, StepContext& c, const ContactShared& shared, std::span<const std::uint32_t> slots);
   void check_colors(const SolverInput& in, StepContext& c, const ContactShared& shared,
                     std::span<const std::uint32_t> slots) const;
+  std::span<const std::uint32_t> lanes_of(std::uint32_t batch) const {
+    return {lanes_ + std::size_t(batch) * kLanes, kLanes};
+  }
   void fill_batch(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, std::uint32_t batch);
   void fill_lane(const Contact& contact, const Vec3& gravity, std::uint32_t batch, int lane);
   void store_batch(Contacts& contacts, std::uint32_t batch) const;

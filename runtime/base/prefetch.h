@@ -1,0 +1,16 @@
+// Asks for all cache lines of a thing that will be read soon.
+#pragma once
+#include <cstddef>
+
+namespace feder {
+
+template <class T>
+void prefetch([[maybe_unused]] const T& thing) {
+#if defined(__GNUC__)
+  const char* at = reinterpret_cast<const char*>(&thing);
+  for (std::size_t k = 0; k < sizeof(T); k += 64) __builtin_prefetch(at + k);
+  __builtin_prefetch(at + sizeof(T) - 1);
+#endif
+}
+
+}  // namespace feder
