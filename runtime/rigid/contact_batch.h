@@ -84,6 +84,7 @@ struct ContactPass {
   WideReal push_speed;           // largest speed at which overlap is undone, m/s
   WideReal bounce_speed;         // slower approaches do not bounce, m/s
   unsigned odd;                  // 1 in every second substep
+  unsigned all_strike;           // 1: impacts without restitution, too, are strikes
 };
 
 struct ContactKernels {

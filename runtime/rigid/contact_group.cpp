@@ -31,7 +31,7 @@ static_assert(kBatchPoints == kMaxContactPoints);
 void ContactGroup::build(const SolverInput& in, StepContext& c, const ContactShared& shared,
                          std::span<const std::uint32_t> slots, int level) {
   level_ = level;
-  strikes_ = nullptr;
+  strikes_ = nullptr, bounces_ = false;
   batch_count_ = overflow_count_ = 0;
   if (slots.empty()) return;
   color(in, c, shared, slots);
@@ -251,9 +251,9 @@ bool ContactGroup::any_bounces() const {
   return false;
 }
 
-bool ContactGroup::any_strikes() const {
+bool ContactGroup::any_strikes(bool all) const {
   for (std::uint32_t i = 0; i < batch_count_; ++i)
-    if (sides_[i].bounces && strikes_[i].acts) return true;
+    if ((all || sides_[i].bounces) && strikes_[i].acts) return true;
   return false;
 }
 

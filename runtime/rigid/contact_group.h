@@ -48,14 +48,35 @@ class ContactGroup {
   void fill(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, std::uint32_t first,
             std::uint32_t last);
   bool any_bounces() const;
-  bool any_strikes() const;
-  void expect_strikes(StepContext& c) { strikes_ = c.scratch->take<StrikeBatch>(batch_count_); }
+  bool any_strikes(bool all) const;  // found by `mark`; all: also without restitution
+  void expect_strikes(StepContext& c, bool bounces) {
+    strikes_ = c.scratch->take<StrikeBatch>(batch_count_), bounces_ = bounces;
+  }
+
+  // Calls f(place) for the points that `mark` has found.
+  struct Place {
+    std::uint32_t slot, batch, lane;
+    int point;
+  };
+  template <class F>
+  void each_strike(F&& f) const {
+    for (std::uint32_t batch = 0; batch < batch_count_; ++batch) {
+      if (!strikes_[batch].acts) continue;
+      const ContactBatch& c = batches_[batch];
+      for (std::uint32_t lane = 0; lane < kLanes; ++lane)
+        for (int k = 0; k < static_cast<int>(c.points); ++k)
+          if (strikes_[batch].approach[k].v[lane] < 0 && c.point[k].mass.v[lane] > 0)
+            f(Place{lanes_[std::size_t(batch) * kLanes + lane], batch, lane, k});
+    }
+  }
+  // An impulse of such a point, for events.
+  void note_strike(const Place& at, Real impulse) { sides_[at.batch].total[at.point].v[at.lane] += impulse; }
 
   int level() const { return level_; }
   int pieces() const { return 1 << level_; }
   std::uint32_t batch_count() const { return batch_count_; }
   bool empty() const { return batch_count_ == 0; }
-  bool bounces() const { return strikes_ != nullptr; }
+  bool bounces() const { return bounces_; }  // something has restitution
 
  private:
   static constexpr int kColors = kMostStages - 1;
@@ -72,7 +93,8 @@ class ContactGroup {
 
   ContactBatch* batches_ = nullptr;
   BatchSide* sides_ = nullptr;
-  StrikeBatch* strikes_ = nullptr;  // null: nothing bounces
+  StrikeBatch* strikes_ = nullptr;  // null: none are expected
+  bool bounces_ = false;
   std::uint32_t* lanes_ = nullptr;  // contact slot by batch and lane, kNone where empty
   std::uint32_t batch_count_ = 0, overflow_count_ = 0;
   std::uint32_t color_first_[kColors + 1] = {};  // first batch of each colour; the overflow comes before colour 0

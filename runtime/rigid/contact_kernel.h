@@ -272,11 +272,11 @@ void warm_start_batches(const ContactPass& p) {
   }
 }
 
-// Which points strike now: with restitution, faster than bounce_speed, and in contact before the substep ends.
+// Which points strike now: with restitution (or all), faster than bounce_speed, and in contact before the substep ends.
 void mark_strikes(const ContactPass& p) {
   const Lanes zero = zero_lanes(), one = all_lanes(1), h = all_lanes(p.h);
   for (unsigned i = p.first; i < p.last; ++i) {
-    if (!p.sides[i].bounces) continue;
+    if (!p.sides[i].bounces && !p.all_strike) continue;
     const ContactBatch& c = p.batches[i];
     StrikeBatch& strike = p.strikes[i];
     Sides s;
@@ -284,7 +284,7 @@ void mark_strikes(const ContactPass& p) {
     gather_displacement(p, c, s);
     const Lanes3 n = load(c.normal);
     const Lanes along = dot(n, linear(s.b) - linear(s.a)), moved = dot(n, s.delta_position);
-    const Lanes bouncing = select(load(p.sides[i].restitution) > zero, one, zero);
+    const Lanes bouncing = p.all_strike ? one : select(load(p.sides[i].restitution) > zero, one, zero);
     Lanes some = zero;
     for (unsigned j = 0; j < c.points; ++j) {
       const BatchPoint& q = c.point[j];
@@ -323,7 +323,7 @@ void mark_strikes(const ContactPass& p) {
 // One round: points that strike leave with restitution x the speed they came with (Newton's law), or faster.
 void strike_batches(const ContactPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
-    if (!p.sides[i].bounces || !p.strikes[i].acts) continue;
+    if ((!p.sides[i].bounces && !p.all_strike) || !p.strikes[i].acts) continue;
     ContactBatch& c = p.batches[i];
     BatchSide& side = p.sides[i];
     StrikeBatch& strike = p.strikes[i];

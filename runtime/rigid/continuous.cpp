@@ -103,6 +103,28 @@ void Rigid::Impl::apply_stop(std::uint32_t p) {
   if (along < 0) s.delta_position += along * stop.normal;
 }
 
+// A body that stops would open its joints by the rest of its neighbours' way: fast bodies on joints stop at one time.
+void Rigid::Impl::stop_together() {
+  const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
+  fast_groups.reset(count);
+  const auto place = [&](std::uint32_t i) {  // in moving; kNone where it is not fast
+    const std::uint32_t n = bodies.moves(i) ? solver_bodies.at(bodies.solver_slot[i]) : 0;
+    return n > 0 && !bad[n - 1] && is_fast(n - 1) ? n - 1 : kNone;
+  };
+  for (const std::uint32_t j : active_joints) {
+    const std::uint32_t a = place(records[j].body_a), b = place(records[j].body_b);
+    if (a != kNone && b != kNone) fast_groups.join(a, b);
+  }
+  for (std::uint32_t p = 0; p < count; ++p) {  // a root is the first of its group
+    FastStop& first = stops[fast_groups.root(p)];
+    first.group_time = std::min(first.group_time, stops[p].time);
+  }
+  for (std::uint32_t p = 0; p < count; ++p) {
+    const Real time = stops[fast_groups.root(p)].group_time;
+    if (time < stops[p].time) stops[p].time = time, stops[p].other = kNone;
+  }
+}
+
 void Rigid::Impl::stop_fast(StepContext& c) {
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
   stops.resize(count);
@@ -111,6 +133,8 @@ void Rigid::Impl::stop_fast(StepContext& c) {
   c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int worker) {
     for (std::uint32_t p = first; p < last; ++p) find_stop(p, stop_scratch[static_cast<std::size_t>(worker)]);
   });
+  const auto stopped = [](const FastStop& s) { return s.time <= 1; };
+  if (joint_count > 0 && std::any_of(stops.begin(), stops.end(), stopped)) stop_together();
   // all motions are still whole
   for (std::uint32_t p = 0; p < count; ++p)
     if (stops[p].time <= 1 && stops[p].other != kNone) stops[p].other_motion = motion_in_step(stops[p].other);

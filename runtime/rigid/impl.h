@@ -48,6 +48,7 @@ struct BodySolid {
 // Where a fast body has to stop in a step.
 struct FastStop {
   Real time = 2;                // fraction of the step; above 1: nowhere
+  Real group_time = 2;          // the earliest of what joints connect; of the first of these bodies
   std::uint32_t other = kNone;  // the body that it meets
   std::size_t obstacles = 0;    // looked at
   Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
@@ -141,6 +142,7 @@ struct Rigid::Impl {
                       Array<std::uint32_t>& found, FastStop& stop);
   void find_stop(std::uint32_t p, Array<std::uint32_t>& found);
   void apply_stop(std::uint32_t p);
+  void stop_together();
   void stop_fast(StepContext& c);
 
   // spin.cpp
@@ -265,6 +267,7 @@ struct Rigid::Impl {
   Array<std::uint8_t> sleep_candidate{&arena};  // slow enough to sleep (two thresholds)
   Array<std::uint32_t> next_in_island{&arena};  // ring of a sleeping island
   UnionFind islands{arena};                     // of the bodies that are awake
+  UnionFind fast_groups{arena};                 // by place in `moving`
   Array<Real> pace{&arena};                     // kinetic energy per mass at the end of the last step, m^2/s^2
   Array<std::uint64_t> edited_step{&arena};     // in which a script moved it, or edited its joints
   Array<double> island_before{&arena}, island_after{&arena}, island_given{&arena}, island_mass{&arena},

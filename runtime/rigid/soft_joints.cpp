@@ -516,6 +516,11 @@ void SoftJoints::solve(const SolverInput& in, StepContext& c) {
   solve_rows(in, c.h, true);
 }
 
+void SoftJoints::project(const SolverInput& in, StepContext& c) {
+  solve_rows(in, c.h, false);
+  if (!wide_.empty()) wide_.relax(pass(in, c), c);
+}
+
 void SoftJoints::relax(const SolverInput& in, StepContext& c) {
   drifted_ = true;
   solve_rows(in, c.h, false);

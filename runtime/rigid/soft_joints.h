@@ -28,6 +28,8 @@ class SoftJoints {
   // Each substep: rows at the poses now, effective masses, warm start, and the biased pass; then the other one.
   void solve(const SolverInput& in, StepContext& c);
   void relax(const SolverInput& in, StepContext& c);
+  // Between the two: joints hold again after an impact.
+  void project(const SolverInput& in, StepContext& c);
   void finish(const SolverInput& in, StepContext& c) { wide_.store(in, c); }  // once per step: impulses stored
   bool is_clear() const { return keys_.empty() && blocks_.empty(); }
   void clear();

@@ -18,6 +18,7 @@
 #include "base/simd.h"
 #include "feder/error.h"
 #include "rigid/contact_group.h"
+#include "rigid/joint_impacts.h"
 #include "rigid/soft_joints.h"
 #include "rigid/solver.h"
 #include "state/colliders.h"
@@ -29,6 +30,7 @@ namespace {
 
 // A contact bounces when it closes faster than gravity alone would make it in so many substeps, and bounce_speed.
 constexpr Real kRestSubsteps = 4;
+constexpr int kImpactTurns = 30;  // of contacts and joints; what is left then is left to the soft rows
 constexpr int kStrikeWaves = 64;  // in a substep; what has not been passed on then is left to the soft rows
 // batches and bodies per job
 constexpr Real kTreeRatio = 2'000;  // by experiment, with pieces: beyond, some chains gain energy
@@ -105,7 +107,9 @@ class SoftStep final : public RigidSolver {
   void end_velocity(std::uint32_t i, const SolverBody& s);
   void report_corrections(const Group& g, const Piece& piece, const SolverInput& in);
   ContactPass pass(const Group& g, const Piece& piece, const SolverInput& in, const StepContext& c) const;
+  void begin_from(std::uint32_t i, const SolverBody& s);
   void strike(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
+  void settle_impacts(Group& g, const Piece& piece, const SolverInput& in, const SolverInput& own, StepContext& c);
   template <class F>
   void keep_out(const Group& g, const SolverInput& in, StepContext& c, F&& f);
   static SolverInput part(const Group& g, const SolverInput& in) {
@@ -276,7 +280,8 @@ void SoftStep::prepare_contacts(const SolverInput& in, StepContext& c) {
       part.first = first, part.last = last;
       kernels_->prepare(part);
     });
-    if (g.contacts.any_bounces()) g.contacts.expect_strikes(c);
+    const bool bounces = g.contacts.any_bounces();
+    if (bounces || (!g.joints.empty() && !g.contacts.empty())) g.contacts.expect_strikes(c, bounces);
   }
 }
 
@@ -295,6 +300,14 @@ void SoftStep::end_velocity(std::uint32_t i, const SolverBody& s) {
   Real* change = contact_change_ + std::size_t(i) * 6;
   for (int k = 0; k < 3; ++k)
     change[k] = s.velocity[k] - before[k], change[k + 3] = s.angular_velocity[k] - before[k + 3];
+}
+
+// The velocity from which contacts change it, when what they changed so far is contact_change_.
+void SoftStep::begin_from(std::uint32_t i, const SolverBody& s) {
+  Real* before = before_ + std::size_t(i) * 6;
+  const Real* change = contact_change_ + std::size_t(i) * 6;
+  for (int k = 0; k < 3; ++k)
+    before[k] = s.velocity[k] - change[k], before[k + 3] = s.angular_velocity[k] - change[k + 3];
 }
 
 // Drift of an uneven jointed body after contacts: free rotation for h seconds, rad.
@@ -330,28 +343,39 @@ void SoftStep::report_corrections(const Group& g, const Piece& piece, const Solv
 // What impacts change is no part of the warm start of the next substep: `before_` moves along.
 void SoftStep::strike(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
   SolverBody* state = in.solver_bodies->state.data();
-  if (piece.first)
-    each_body(g, c, [&](std::uint32_t i) {
-      for (int k = 0; k < 3; ++k) {
-        contact_change_[i * 6 + k] = state[i].velocity[k] - before_[i * 6 + k];
-        contact_change_[i * 6 + k + 3] = state[i].angular_velocity[k] - before_[i * 6 + k + 3];
-      }
-    });
+  if (piece.first) each_body(g, c, [&](std::uint32_t i) { end_velocity(i, state[i]); });
   const ContactPass p = pass(g, piece, in, c);
   bool acted = false;
   for (int wave = 0; wave < kStrikeWaves; ++wave) {
     g.contacts.run(kernels_->mark, p, *c.jobs);
-    if (!g.contacts.any_strikes()) break;
+    if (!g.contacts.any_strikes(false)) break;
     acted = true;
     for (int round = 0; round < bounce_rounds_; ++round) g.contacts.run(kernels_->strike, p, *c.jobs);
   }
   if (!acted) return;
-  each_body(g, c, [&](std::uint32_t i) {
-    for (int k = 0; k < 3; ++k) {
-      before_[i * 6 + k] = state[i].velocity[k] - contact_change_[i * 6 + k];
-      before_[i * 6 + k + 3] = state[i].angular_velocity[k] - contact_change_[i * 6 + k + 3];
+  each_body(g, c, [&](std::uint32_t i) { begin_from(i, state[i]); });
+}
+
+// Impacts on jointed bodies: contact and joints in turn until both hold, before soft rows see either. Contacts alone
+// stop the part that hits, and its joints open by what its neighbours move within the substep; joints alone, after it,
+// drive it on. Each turn takes energy. As a strike, it is no part of the warm start of the next substep, which would
+// throw the part, and what hangs on it, back.
+void SoftStep::settle_impacts(Group& g, const Piece& piece, const SolverInput& in, const SolverInput& own,
+                              StepContext& c) {
+  SolverBody* state = in.solver_bodies->state.data();
+  ContactPass p = pass(g, piece, in, c);
+  p.all_strike = 1;
+  for (int turn = 0; turn < kImpactTurns; ++turn) {
+    g.contacts.run(kernels_->mark, p, *c.jobs);
+    if (!g.contacts.any_strikes(true)) {
+      if (turn == 0) return;
+      break;
     }
-  });
+    if (turn == 0) each_body(g, c, [&](std::uint32_t i) { end_velocity(i, state[i]); });
+    feder::strike(list_impacts(g.contacts, in, c), bounce_rounds_, g.contacts, in);
+    g.soft_joints->project(own, c);
+  }
+  each_body(g, c, [&](std::uint32_t i) { begin_from(i, state[i]); });
 }
 
 // What `f` changes, by joints, is no part of the warm start of the next substep either.
@@ -366,19 +390,9 @@ void SoftStep::keep_out(const Group& g, const SolverInput& in, StepContext& c, F
                          for (std::uint32_t n = first; n < last; ++n) change(bodies[n]);
                        });
   };
-  each([&](std::uint32_t i) {
-    for (int k = 0; k < 3; ++k) {
-      contact_change_[i * 6 + k] = state[i].velocity[k] - before_[i * 6 + k];
-      contact_change_[i * 6 + k + 3] = state[i].angular_velocity[k] - before_[i * 6 + k + 3];
-    }
-  });
+  each([&](std::uint32_t i) { end_velocity(i, state[i]); });
   f();
-  each([&](std::uint32_t i) {
-    for (int k = 0; k < 3; ++k) {
-      before_[i * 6 + k] = state[i].velocity[k] - contact_change_[i * 6 + k];
-      before_[i * 6 + k + 3] = state[i].angular_velocity[k] - contact_change_[i * 6 + k + 3];
-    }
-  });
+  each([&](std::uint32_t i) { begin_from(i, state[i]); });
 }
 
 void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
@@ -397,6 +411,7 @@ void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, 
   StepContext time = c;
   time.h = piece.h, time.substep = static_cast<int>(piece.k);
   if (jointed) keep_out(g, in, c, [&] { g.soft_joints->solve(own, time); });
+  if (jointed && !g.contacts.empty()) settle_impacts(g, piece, in, own, time);
   run(kernels_->solve);
   const std::span<const BodySlide> slides = jointed ? g.soft_joints->slides() : std::span<const BodySlide>();
   each_body(g, c, [&](std::uint32_t i) { move(i, piece.h, slides, in); });

@@ -1,0 +1,75 @@
+-- Ragdolls of ten parts fall on each other: balls at neck, shoulders and hips, hinges with limits at elbows and knees.
+local feder = require "feder"
+
+local count = feder.param("count", 20, { min = 1, max = 200, step = 1 })
+local highest = feder.param("highest", 36, { min = 2, max = 500 })
+
+-- Name, shape, middle beside that of the hips, kg; in this order.
+local limb = feder.capsule(0.05, 0.2)
+local parts = {
+  { "torso", feder.box(0.35, 0.6, 0.2), { 0, 0.3, 0 }, 30 },
+  { "head", feder.sphere(0.11), { 0, 0.75, 0 }, 5 },
+}
+-- Kind, the two parts, place, limits.
+local joints = { { "ball", "torso", "head", { 0, 0.62, 0 } } }
+for side, s in pairs { left = -1, right = 1 } do
+  parts[#parts + 1] = { side .. " upper arm", limb, { 0.24 * s, 0.4, 0 }, 2.5 }
+  parts[#parts + 1] = { side .. " forearm", limb, { 0.24 * s, 0.08, 0 }, 1.5 }
+  parts[#parts + 1] = { side .. " thigh", feder.capsule(0.07, 0.3), { 0.1 * s, -0.25, 0 }, 8 }
+  parts[#parts + 1] = { side .. " shin", feder.capsule(0.055, 0.3), { 0.1 * s, -0.7, 0 }, 4 }
+  joints[#joints + 1] = { "ball", "torso", side .. " upper arm", { 0.2 * s, 0.53, 0 } }
+  joints[#joints + 1] = { "hinge", side .. " upper arm", side .. " forearm", { 0.24 * s, 0.24, 0 }, { -2.4, 0.1 } }
+  joints[#joints + 1] = { "ball", "torso", side .. " thigh", { 0.1 * s, 0, 0 } }
+  joints[#joints + 1] = { "hinge", side .. " thigh", side .. " shin", { 0.1 * s, -0.48, 0 }, { -0.1, 2.4 } }
+end
+table.sort(parts, function(a, b) return a[1] < b[1] end)
+table.sort(joints, function(a, b) return a[2] .. a[3] < b[2] .. b[3] end)
+
+return feder.scene {
+  title = "Ragdolls",
+  seconds = 20,
+  picture = 6,
+  camera = { target = { 0, 0.5, 0 }, distance = 9 },
+  world = { dt = 1 / 60, substeps = 4 },
+
+  build = function(world, scene)
+    world:body { name = "floor", type = "static", shape = feder.plane(), friction = 0.6 }
+    scene.parts, scene.worst, scene.most = {}, 0, 0
+    for k = 1, count do
+      local x, y, z = 0.5 * math.sin(2.4 * k), 2 + (highest - 2) * (k - 1) / math.max(count - 1, 1), 0.5 * math.cos(2.4 * k)
+      local body = {}
+      for _, part in ipairs(parts) do
+        local at = part[3]
+        body[part[1]] = world:body {
+          name = part[1] .. k, shape = part[2], mass = part[4], friction = 0.6,
+          position = { x + at[1], y + at[2], z + at[3] },
+        }
+        scene.parts[#scene.parts + 1] = body[part[1]]
+      end
+      for _, joint in ipairs(joints) do
+        local at = joint[4]
+        world:joint {
+          type = joint[1], a = body[joint[2]], b = body[joint[3]], anchor = { x + at[1], y + at[2], z + at[3] },
+          axis = joint[1] == "hinge" and { 1, 0, 0 } or nil, limits = joint[5],
+        }
+      end
+    end
+    local kinetic, potential = world:energy()
+    scene.start = kinetic + potential
+  end,
+
+  update = function(world, scene)
+    scene.worst = math.max(scene.worst, world:residuals()["rigid.joint_error_m"])
+    local kinetic, potential = world:energy()
+    scene.most = math.max(scene.most, kinetic + potential - scene.start)
+  end,
+
+  check = function(world, scene, expect)
+    expect(world:is_finite())
+    local awake = 0
+    for _, part in ipairs(scene.parts) do
+      if part:awake() then awake = awake + 1 end
+    end
+    print(("worst %.3f m, awake %d of %d, energy + %.1f J, kinetic %.3f J"):format(scene.worst, awake, #scene.parts, scene.most, (world:energy())))
+  end,
+}
