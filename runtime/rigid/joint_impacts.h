@@ -11,11 +11,11 @@ namespace feder {
 // A contact point that strikes.
 struct PointImpact {
   ContactGroup::Place at;
-  Vec3 normal, arm_a, arm_b;     // a to b; from the centres of mass, m
+  Vec3 normal, arm_a, arm_b;       // a to b; from the centres of mass, m
   std::uint32_t index_a, index_b;  // solver indices
-  Real mass;                     // effective along the normal, kg
-  Real friction;                 // coefficient
-  Real impulse, rubbed;          // of this strike: along the normal, and across it in all, N s
+  Real mass;                       // effective along the normal, kg
+  Real friction;                   // coefficient
+  Real impulse, rubbed;            // of this strike: along the normal, and across it in all, N s
 };
 
 // Points that the kernel `mark` has found. In scratch memory.

@@ -30,7 +30,8 @@ namespace {
 
 // A contact bounces when it closes faster than gravity alone would make it in so many substeps, and bounce_speed.
 constexpr Real kRestSubsteps = 4;
-constexpr int kImpactTurns = 30;  // of contacts and joints; what is left then is left to the soft rows
+// turns of contacts and joints, and rounds of contacts in each; what is left then is left to the soft rows
+constexpr int kImpactTurns = 30, kImpactRounds = 16;
 constexpr int kStrikeWaves = 64;  // in a substep; what has not been passed on then is left to the soft rows
 // batches and bodies per job
 constexpr Real kTreeRatio = 2'000;  // by experiment, with pieces: beyond, some chains gain energy
@@ -372,7 +373,7 @@ void SoftStep::settle_impacts(Group& g, const Piece& piece, const SolverInput& i
       break;
     }
     if (turn == 0) each_body(g, c, [&](std::uint32_t i) { end_velocity(i, state[i]); });
-    feder::strike(list_impacts(g.contacts, in, c), bounce_rounds_, g.contacts, in);
+    feder::strike(list_impacts(g.contacts, in, c), kImpactRounds, g.contacts, in);
     g.soft_joints->project(own, c);
   }
   each_body(g, c, [&](std::uint32_t i) { begin_from(i, state[i]); });
