@@ -147,9 +147,11 @@ class SoftStep final : public RigidSolver {
   std::size_t body_count_ = 0, contact_count_ = 0;  // when the step was prepared
 };
 
-void put_velocity(const SolverBody& s, Real* to) {
-  for (int k = 0; k < 3; ++k) to[k] = s.velocity[k], to[k + 3] = s.angular_velocity[k];
-}
+// The first numbers of a solver body: velocity and angular velocity.
+Real* velocities_of(SolverBody& s) { return reinterpret_cast<Real*>(&s); }
+const Real* velocities_of(const SolverBody& s) { return reinterpret_cast<const Real*>(&s); }
+
+void put_velocity(const SolverBody& s, Real* to) { std::copy_n(velocities_of(s), 6, to); }
 
 bool movable(const SolverMass& m) {
   return m.inv_mass > 0 || m.inv_inertia(0, 0) > 0 || m.inv_inertia(1, 1) > 0 || m.inv_inertia(2, 2) > 0;
@@ -287,28 +289,26 @@ void SoftStep::prepare_contacts(const SolverInput& in, StepContext& c) {
 }
 
 // Velocities before contacts, and the warm start of all pieces of a step but the first.
-void SoftStep::start_velocity(std::uint32_t i, bool again, SolverBody& s) {
-  Real* before = before_ + std::size_t(i) * 6;
-  put_velocity(s, before);
+[[gnu::always_inline]] inline void SoftStep::start_velocity(std::uint32_t i, bool again, SolverBody& s) {
+  put_velocity(s, before_ + std::size_t(i) * 6);
   if (!again) return;
   const Real* change = contact_change_ + std::size_t(i) * 6;
-  for (int k = 0; k < 3; ++k) s.velocity[k] += change[k], s.angular_velocity[k] += change[k + 3];
+  Real* v = velocities_of(s);
+  for (int k = 0; k < 6; ++k) v[k] += change[k];
 }
 
 // What contacts changed.
-void SoftStep::end_velocity(std::uint32_t i, const SolverBody& s) {
-  const Real* before = before_ + std::size_t(i) * 6;
+[[gnu::always_inline]] inline void SoftStep::end_velocity(std::uint32_t i, const SolverBody& s) {
+  const Real *before = before_ + std::size_t(i) * 6, *v = velocities_of(s);
   Real* change = contact_change_ + std::size_t(i) * 6;
-  for (int k = 0; k < 3; ++k)
-    change[k] = s.velocity[k] - before[k], change[k + 3] = s.angular_velocity[k] - before[k + 3];
+  for (int k = 0; k < 6; ++k) change[k] = v[k] - before[k];
 }
 
 // The velocity from which contacts change it, when what they changed so far is contact_change_.
 void SoftStep::begin_from(std::uint32_t i, const SolverBody& s) {
   Real* before = before_ + std::size_t(i) * 6;
-  const Real* change = contact_change_ + std::size_t(i) * 6;
-  for (int k = 0; k < 3; ++k)
-    before[k] = s.velocity[k] - change[k], before[k + 3] = s.angular_velocity[k] - change[k + 3];
+  const Real *change = contact_change_ + std::size_t(i) * 6, *v = velocities_of(s);
+  for (int k = 0; k < 6; ++k) before[k] = v[k] - change[k];
 }
 
 // Drift of an uneven jointed body after contacts: free rotation for h seconds, rad.
@@ -319,7 +319,8 @@ Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, const SolverMass&
 }
 
 // `slides`: of the group; empty where no tree corrects positions.
-void SoftStep::move(std::uint32_t i, Real h, std::span<const BodySlide> slides, const SolverInput& in) {
+[[gnu::always_inline]] inline void SoftStep::move(std::uint32_t i, Real h, std::span<const BodySlide> slides,
+                                                  const SolverInput& in) {
   SolverBody& s = in.solver_bodies->state[i];
   s.delta_position += h * s.velocity;
   Vec3 rotation = h * s.angular_velocity;
@@ -400,8 +401,7 @@ void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, 
   if (c.jobs->threads() > 1 && g.joints.empty() && !g.contacts.empty() && !g.contacts.bounces())
     return solve_staged(g, piece, in, c);
   SolverBody* state = in.solver_bodies->state.data();
-  const bool again = !piece.first && !g.contacts.empty();
-  each_body(g, c, [&](std::uint32_t i) { start_velocity(i, again, state[i]); });
+  if (!g.contacts.empty()) each_body(g, c, [&](std::uint32_t i) { start_velocity(i, !piece.first, state[i]); });
   const auto run = [&](void (*kernel)(const ContactPass&)) {
     if (!g.contacts.empty()) g.contacts.run(kernel, pass(g, piece, in, c), *c.jobs);
   };
