@@ -55,10 +55,10 @@ JobPool::JobPool(int threads)
   for (int i = 1; i < threads_; ++i) workers_.emplace_back([this, i] { work(i); });
 }
 
-JobPool::JobPool(const Executor& executor)
-    : shares_(new Share[static_cast<std::size_t>(executor.threads)]), threads_(executor.threads), executor_(executor),
+JobPool::JobPool(int threads, Call call)
+    : shares_(new Share[static_cast<std::size_t>(threads)]), threads_(threads), call_(std::move(call)),
       idle_(threads_ - 1) {
-  FEDER_ASSERT(executor.call && threads_ >= 1 && threads_ <= 64);
+  FEDER_ASSERT(call_ && threads_ >= 1 && threads_ <= 64);
 }
 
 JobPool::~JobPool() {
@@ -130,14 +130,14 @@ void JobPool::wake_caller() {
 // time, so either it is counted here or it sees the new epoch.
 void JobPool::wake(int wanted) {
   wake_caller();
-  if (workers_.empty() && !executor_.call) return;
+  if (workers_.empty() && !call_) return;
   int idle = idle_.load(), called;
   do {
     called = std::min(wanted - (threads_ - 1 - idle), idle);
     if (called <= 0) return;
-  } while (!executor_.call && !idle_.compare_exchange_weak(idle, idle - called));
-  if (executor_.call) {
-    executor_.call(Helper(weak_from_this().lock()), called);
+  } while (!call_ && !idle_.compare_exchange_weak(idle, idle - called));
+  if (call_) {
+    call_(weak_from_this().lock(), called);
     return;
   }
   for (int i = 0; i < called; ++i) calls_.post();
@@ -214,7 +214,5 @@ bool JobPool::help() {
   helping_.fetch_and(~(std::uint64_t(1) << worker));
   return any;
 }
-
-bool Helper::help() const { return jobs_ && jobs_->help(); }
 
 }  // namespace feder

@@ -9,13 +9,13 @@
 //  - no allocation, and not re-entrant: a body starts no loop of the same pool.
 #pragma once
 #include <atomic>
+#include <functional>
 #include <memory>
 #include <span>
 #include <thread>
 #include <vector>
 
 #include "base/semaphore.h"
-#include "feder/executor.h"
 #include "feder/types.h"
 
 namespace feder {
@@ -30,8 +30,10 @@ struct JobGrain {
 
 class JobPool : public std::enable_shared_from_this<JobPool> {
  public:
-  explicit JobPool(int threads = 1);           // total number including the caller; at least 1
-  explicit JobPool(const Executor& executor);  // its threads help; for that the pool belongs to a shared_ptr
+  explicit JobPool(int threads = 1);  // total number including the caller; at least 1
+  // Threads of others help, which `call` asks for; see Executor in feder/world.h. The pool belongs to a shared_ptr.
+  using Call = std::function<void(const std::shared_ptr<JobPool>& self, int helpers)>;
+  JobPool(int threads, Call call);
   ~JobPool();
   JobPool(const JobPool&) = delete;
   JobPool& operator=(const JobPool&) = delete;
@@ -80,7 +82,7 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
     }
   }
 
-  bool help();  // see Helper
+  bool help();  // see Helper there
 
  private:
   // Below this a fork costs more than it brings: a thread takes some microseconds to wake.
@@ -120,11 +122,11 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   std::uint64_t forks_ = 0;
 
   int threads_ = 1;
-  Executor executor_;
-  std::atomic<std::uint64_t> helping_{0};  // bits: workers of an executor in help()
+  Call call_;
+  std::atomic<std::uint64_t> helping_{0};  // bits: workers in help()
   std::vector<std::thread> workers_;
   Semaphore calls_, news_;    // for workers; for the caller
-  std::atomic<int> idle_{0};  // workers that sleep and were not called yet; of an executor: those not in help()
+  std::atomic<int> idle_{0};  // workers that sleep and were not called yet; with a call: those not in help()
   std::atomic<bool> caller_asleep_{false};  // and was not called yet
   std::atomic<bool> stop_{false};
 };

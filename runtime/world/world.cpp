@@ -29,6 +29,8 @@ void check(const WorldDesc& d) {
     throw SceneError("world.dimension: expected 2 or 3, got " + std::to_string(d.dimension));
 }
 
+bool Helper::help() const { return jobs_ && jobs_->help(); }
+
 Rng& World::rng() { return own_->rng; }
 
 namespace {

@@ -89,19 +89,18 @@ TEST_CASE("forks follow the stated work, not a clock", "[base][jobs][threads]") 
 TEST_CASE("threads of a host may help at once, late or never", "[base][jobs][threads]") {
   std::atomic<int> asked{0};
   const auto pool =
-      std::make_shared<JobPool>(Executor{4, [&](const Helper&, int helpers) { asked.fetch_add(helpers); }});
+      std::make_shared<JobPool>(4, [&](const std::shared_ptr<JobPool>&, int helpers) { asked.fetch_add(helpers); });
   const int rounds = 400;
   const std::uint64_t expected = serial_result(rounds);
   CHECK(Chain().run(*pool, rounds) == expected);  // never
   CHECK(asked.load() > 0);
   std::atomic<bool> stop{false};
-  const Helper helper(pool);
   std::vector<std::thread> threads;
   for (int k = 0; k < 5; ++k)  // more than it takes
-    threads.emplace_back([&stop, helper, k] {
+    threads.emplace_back([&stop, pool, k] {
       while (!stop) {
         if (k > 1) std::this_thread::sleep_for(std::chrono::microseconds(100 * k));
-        helper.help();
+        pool->help();
       }
     });
   for (int k = 0; k < 5; ++k) CHECK(Chain().run(*pool, rounds) == expected);

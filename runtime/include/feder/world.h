@@ -3,13 +3,13 @@
 // all they return belong to one thread at a time; WorldDesc::threads are its own workers, and results do not depend on
 // their number. Two worlds share only shapes, which are immutable.
 #pragma once
+#include <functional>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "feder/desc.h"
-#include "feder/executor.h"
 #include "feder/force.h"
 #include "feder/system.h"
 
@@ -17,6 +17,29 @@ namespace feder {
 
 class Rng;
 struct Watch;
+class JobPool;
+
+// Threads that a host has already (an engine's task system), in place of a world's own workers. They help, they are not
+// relied on: help may come late, more often than asked or never, from any threads; the thread that steps then does all
+// itself, and results are the same bits in every case. A Helper is what such a thread
+// calls; it may be kept and copied freely, and outlive the world: it then finds nothing to do.
+class Helper {
+ public:
+  explicit Helper(std::shared_ptr<JobPool> jobs) : jobs_(std::move(jobs)) {}
+  // Takes blocks of the world's loops while there are any, and returns when there have been none for some
+  // microseconds. True when it did something; false also when Executor::threads are at work already.
+  bool help() const;
+
+ private:
+  std::shared_ptr<JobPool> jobs_;
+};
+
+struct Executor {
+  int threads = 1;  // 1 .. 64: at most so many work at once, with the one that steps; in place of WorldDesc::threads
+  // Asks for up to `helpers` calls of helper.help(), on any threads, soon. It comes from the thread that steps or from
+  // one that helps; it must not block, throw, or call help() itself. Empty: the world makes its own workers.
+  std::function<void(const Helper& helper, int helpers)> call;
+};
 
 struct SystemReport {
   std::string name;
