@@ -1,12 +1,16 @@
 // Hinge: anchors stay together and the x axes of the frames stay parallel; the angle about them is free, limited or
 // driven. Five equality rows in one block (three of the point; y_a . x_b = 0 and z_a . x_b = 0), one row per finite
 // limit, one motor row. The angle is that of y_b in the y-z plane of frame a, in (-pi, pi]; with two finite limits it
-// is measured from their middle, so that limits may lie anywhere on the circle. All Jacobians are exact derivatives
-// at any pose. Weak spot: axes rotated by 180 degrees also satisfy the rows, and limits wider than 2 pi never act.
+// is measured from their middle, so that limits may lie anywhere on the circle. All Jacobians are exact derivatives,
+// but for those of the axis beyond 45 degrees: there its rows are the angle between the axes along y_a and z_a, with
+// the directions that turn b straight back, since sines would vanish at 180 degrees. Weak spot: limits wider than 2 pi
+// never act.
 #include "constrain/frames.h"
 
 namespace feder::joints {
 namespace {
+
+constexpr Real kFarTurn = Real(0.70710678);  // cosine of the angle between the axes from which rows are angles
 
 // The angle and its derivative with respect to the relative angular velocity.
 Real angle_of(const WorldFrames& f, Vec3& gradient) {
@@ -34,6 +38,22 @@ void fill_angle_row(const Vec3& gradient, Row& row) {
   row.angular_a = -gradient;
 }
 
+// The x axis of b stays on that of a.
+void fill_axis_rows(const WorldFrames& f, Row* rows) {
+  const Vec3 x_a = f.axes_a.col(0), x_b = f.axes_b.col(0);
+  const Real c = dot(x_a, x_b);
+  for (int k = 0; k < 2; ++k) {
+    const Vec3 side = f.axes_a.col(k + 1);
+    fill_angle_row(cross(c < kFarTurn ? x_a : x_b, side), rows[k]);
+    rows[k].value = dot(side, x_b);
+  }
+  if (!(c < kFarTurn)) return;
+  const Real s = std::sqrt(rows[0].value * rows[0].value + rows[1].value * rows[1].value), angle = arc_tan2(s, c);
+  const bool opposed = s < Real(1e-4);  // any way is as short
+  rows[0].value = opposed ? angle : rows[0].value * (angle / s);
+  rows[1].value = opposed ? 0 : rows[1].value * (angle / s);
+}
+
 void fill_limit(const Vec3& gradient, Real room, Real sign, Row& row) {
   fill_angle_row(sign * gradient, row);
   row.value = room;
@@ -43,16 +63,11 @@ void fill_limit(const Vec3& gradient, Real room, Real sign, Row& row) {
 void fill(const JointInput& in, RowWriter& out) {
   const WorldFrames f = world_frames(in);
   const JointOptions& o = in.joint->options;
-  const Vec3 x_b = f.axes_b.col(0);
 
   // point and direction of the axis
   Row* rows = out.block(5);
   fill_point_rows(f, in, rows);
-  for (int k = 1; k <= 2; ++k) {
-    const Vec3 side = f.axes_a.col(k);
-    fill_angle_row(cross(x_b, side), rows[2 + k]);
-    rows[2 + k].value = dot(side, x_b);
-  }
+  fill_axis_rows(f, rows + 3);
 
   // limits
   Vec3 gradient;
