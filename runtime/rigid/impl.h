@@ -34,7 +34,8 @@ struct JointRecord {
   std::uint32_t kind = 0;                        // row in joint_kinds()
   Pose local_a, local_b;                         // frames in the centre-of-mass frames (world: in the world)
   Real break_force = kInfinity;
-  std::uint8_t alive = 0, collide = 0, mass_checked = 0, broken = 0;
+  std::uint8_t alive = 0, collide = 0, mass_checked = 0;
+  std::uint8_t open_looks = 0;  // in a row at which it was open
 };
 
 // The parts of a new body, and what they weigh together.
@@ -43,6 +44,10 @@ struct BodySolid {
   Vec3 center = Vec3::Zero();       // of mass, in the body frame, m
   Real volume = 0, mass = 0;        // m^3, kg
   Mat3 inertia = Mat3::Zero();      // about the centre of mass, kg m^2
+};
+
+struct JointGap {
+  Real open = 0, bend = 0;  // m, rad
 };
 
 // Where a fast body has to stop in a step.
@@ -221,6 +226,9 @@ struct Rigid::Impl {
   void list_active_joints(StepContext& c);
   void load_inertia(std::uint32_t body);
   JointedBody* uneven_body(std::uint32_t index) { return uneven_of({jointed.data(), jointed.size()}, index); }
+  JointGap gap_of(std::uint32_t j) const;
+  Real radius_of(const JointRecord& r) const;
+  void check_open_joints(StepContext& c);
   void check_mass_ratios(StepContext& c);
   void check_mass_ratio(std::uint32_t j, Real ratio, Real per_substep, StepContext& c);
   void break_joints(StepContext& c);
@@ -326,6 +334,7 @@ struct Rigid::Impl {
   const Real* carried = nullptr;  // by body: the weight on it, N; null: not asked for in this step
   ContactLoad gives_way;          // what check_loads found last
   bool load_warned = false;
+  bool gap_warned = false;    // warned of an open joint
   bool sweep_warned = false;  // warned of kMostObstacles
   bool cap_warned = false;    // warned of the iteration limit
   bool poses_stale = false;   // collider poses are of the start of the last step

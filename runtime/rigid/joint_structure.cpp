@@ -66,6 +66,7 @@ void SoftJoints::list_bodies(const SolverInput& in) {
   strain_axes_.assign(count, Vec3d::Zero());
   norm_.assign(count, Real(0));
   share_.assign(count, Real(1));
+  smooth_.assign(count, Real(1));
   inv_inertia_.assign(count, Mat3(Mat3::Zero()));
 }
 

@@ -23,6 +23,7 @@ constexpr JobGrain kStrainGrain{1024, 8'000};  // bodies per job
 constexpr Real kRadian = Real(0.3);            // m, that an error of one radian counts as
 constexpr Real kMostTurn = Real(0.03);         // rad, in a substep, by a correction of positions
 constexpr Real kStrain = 2;  // (h omega)^2 up to which a body keeps its inertia; above 4 the substep is unstable
+constexpr Real kSmooth = 30;  // likewise, up to which its rotation goes on as it is: more is a snap
 
 }  // namespace
 
@@ -84,7 +85,9 @@ void SoftJoints::update_inertias(const SolverInput& in, StepContext& c) {
   inertia_changed_ = before || strained_;
 }
 
-// Returns whether joints use a larger inertia.
+// Returns whether joints use a larger inertia. The bend of a body's anchors is quadratic in the rotation that it had
+// before the impulses of the substep, and they do work along it: in a snap, where light links turn fast and the tension
+// ends that, a load on a chain would gain many times the energy of its fall.
 bool SoftJoints::update_inertia(const SolverInput& in, std::uint32_t i) {
   const Real ratio = strain_[i] * norm_[i];  // (h omega)^2, at most
   strain_[i] = 0;
@@ -92,8 +95,11 @@ bool SoftJoints::update_inertia(const SolverInput& in, std::uint32_t i) {
   bool strained = share_[i] != 1;
   if (!narrow_.empty()) inv_inertia_[i] = share_[i] * in.solver_bodies->mass[i].inv_inertia;
   JointedBody* uneven = in.uneven(i);
+  smooth_[i] = ratio > kSmooth ? kSmooth / ratio : Real(1);
   if (!uneven) return strained;
   const Vec3d ratios = strain_axes_[i].cwiseProduct(uneven->inv_moments);
+  const double highest = ratios.maxCoeff();
+  smooth_[i] = highest > kSmooth ? static_cast<Real>(kSmooth / highest) : Real(1);
   for (int k = 0; k < 3; ++k) {
     uneven->share[k] = kStrain / std::max<double>(ratios[k], kStrain);
     strained |= uneven->share[k] != 1;
@@ -330,8 +336,11 @@ void SoftJoints::fill_rows(const SolverInput& in, Real h) {
 
 void SoftJoints::prepare_rows(const RowBlock& block, Real h) {
   Real fastest = 0;
-  for (std::uint32_t k = block.first; k < block.first + block.count; ++k)
+  const Real smooth = std::min(smooth_[block.index_a], smooth_[block.index_b]);
+  for (std::uint32_t k = block.first; k < block.first + block.count; ++k) {
+    rows_[k].bend *= smooth;
     fastest = std::max(fastest, std::abs(prepare_row(rows_[k], h, ready_[k])));
+  }
   if (fastest > push_speed_) torn_.push_back(static_cast<std::uint32_t>(&block - blocks_.data()));
 }
 

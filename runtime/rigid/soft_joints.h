@@ -115,6 +115,7 @@ class SoftJoints {
   Array<Real> strain_{&arena_};                                      // by solver index: h sum |impulse| |arm|, kg m^2
   Array<Real> norm_{&arena_};                // by solver index: of the inverse inertia, 1/(kg m^2)
   Array<Real> share_{&arena_};               // by solver index: of the inverse inertia that joints use
+  Array<Real> smooth_{&arena_};              // by solver index: of the bend of its anchors that rows expect
   Array<Vec3d> strain_axes_{&arena_};        // the same by principal axis, of uneven bodies
   Array<BodyMotion> motions_{&arena_};       // by solver index
   UnionFind groups_{arena_};                 // of solver bodies that joints connect
