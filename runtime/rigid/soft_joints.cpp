@@ -22,8 +22,8 @@ namespace {
 constexpr JobGrain kStrainGrain{1024, 8'000};  // bodies per job
 constexpr Real kRadian = Real(0.3);            // m, that an error of one radian counts as
 constexpr Real kMostTurn = Real(0.03);         // rad, in a substep, by a correction of positions
-constexpr Real kStrain = 2;  // (h omega)^2 up to which a body keeps its inertia; above 4 the substep is unstable
-constexpr Real kSmooth = 30;  // likewise, up to which its rotation goes on as it is: more is a snap
+constexpr Real kStrain = 2;    // (h omega)^2 up to which a body keeps its inertia; above 4 the substep is unstable
+constexpr Real kSmooth = 300;  // likewise, up to which its rotation goes on as it is: more is a snap
 
 }  // namespace
 

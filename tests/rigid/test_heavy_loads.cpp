@@ -1,4 +1,6 @@
 // Heavy loads on chains and bridges that meet other bodies, at default settings. The whole ranges are late tests.
+#include <algorithm>
+
 #include "rigid/closed_scene.h"
 
 using namespace feder;
@@ -7,9 +9,9 @@ namespace {
 
 struct Loaded {
   ClosedScene s{"soft_step"};
-  double worst = 0, last = 0;  // m, that a joint is open
-  double start = 0, most = 0;  // J
-  int warnings = 0;            // mass_ratio
+  double worst = 0, last = 0;      // m, that a joint is open
+  double start = 0, most = 0;      // J
+  std::vector<std::string> codes;  // of warnings
 
   ObjectId box(const Vec3& size, const Vec3& at, double mass) {
     BodyDesc d = body_of(make_box(size[0], size[1], size[2]), at, Real(mass), Real(0.6));
@@ -23,6 +25,7 @@ struct Loaded {
     j.anchor_a = at;
     s.rigid().add_joint(j);
   }
+  bool says(const char* code) const { return std::find(codes.begin(), codes.end(), code) != codes.end(); }
   double energy() {
     const Energy e = s.world().energy();
     return e.kinetic + e.potential;
@@ -35,7 +38,7 @@ struct Loaded {
         if (std::string(r.name) == "rigid.joint_error_m") worst = std::max(worst, last = r.value);
       most = std::max(most, energy());
       for (const Event& e : s.world().events().list())
-        if (e.kind == EventKind::warning && s.world().events().warning_code(e) == "mass_ratio") ++warnings;
+        if (e.kind == EventKind::warning) codes.push_back(s.world().events().warning_code(e));
     }
   }
 };
@@ -95,7 +98,33 @@ TEST_CASE("a load that falls into its chain does not tear it", "[rigid][overload
   }
   t.run(10);
   CAPTURE(t.worst, t.last, t.most - t.start);
-  CHECK(t.worst < 0.3);
-  CHECK(t.last < 1e-3);
+  const bool holds = links == 10 || ratio <= 1000;
+  CHECK(t.worst < (holds ? 0.15 : 0.5));
+  CHECK((t.last < 1e-3 || (!holds && t.says("open_joint"))));
   CHECK(t.most - t.start < 0.01 * ratio * kG * 0.5 * links);
+}
+
+// Planks of 10 kg on pairs of balls: loops, which get no pieces. The load stands on the middle.
+TEST_CASE("a bridge holds, or says what it does not", "[rigid][overload]") {
+  const double ratio = GENERATE(10.0, 26.0, 100.0, 3272.0);
+  CAPTURE(ratio);
+  Loaded t;
+  ObjectId last = t.box(Vec3(1, 1, 2), Vec3(-6, 5, 0), 0);
+  const ObjectId pier = t.box(Vec3(1, 1, 2), Vec3(6, 5, 0), 0);
+  const auto join = [&](ObjectId a, ObjectId b, double x) {
+    for (const double z : {-0.4, 0.4}) t.join(a, b, Vec3(Real(x), 5, Real(z)));
+  };
+  for (int k = 0; k < 20; ++k) {
+    const double x = 0.5 * k - 4.75;
+    const ObjectId plank = t.box(Vec3(Real(0.48), Real(0.1), 1), Vec3(Real(x), 5, 0), 10);
+    join(last, plank, x - 0.25);
+    last = plank;
+  }
+  join(last, pier, 5);
+  t.box(Vec3(Real(0.8), Real(0.8), Real(0.8)), Vec3(0, Real(5.5), 0), 10 * ratio);
+  t.run(10);
+  CAPTURE(t.worst, t.last, t.most - t.start);
+  CHECK((t.worst < 0.06 || t.says("open_joint")));
+  CHECK((t.says("open_joint") || ratio < 100));
+  CHECK(t.most - t.start < 1e-3 * 10 * ratio * kG);
 }
