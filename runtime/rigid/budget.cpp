@@ -37,6 +37,8 @@ constexpr int kTiers = 32;                  // of bodies on each other
 constexpr std::uint64_t kLookSteps = 4;     // between two looks at a joint or an old contact while no island has pieces
 constexpr std::uint64_t kLoadSteps = 8;     // between two looks for what gives way
 constexpr Real kSinks = Real(0.05);         // of the thickness
+constexpr Real kSqueezed = Real(0.1);       // of the thickness, at any moment
+constexpr Real kOdd = 100;                  // times the mass, from which that speaks
 constexpr Real kShare = Real(0.25);         // of the depth, at least, must be the load's
 constexpr Real kMostTimes = Real(3e4);      // its own weight
 constexpr Real kParts = Real(0.95);         // between two looks: what overlaps less is parting
@@ -76,7 +78,8 @@ ContactLoad Rigid::Impl::load_of(const Contact& contact, Real rate, const StepCo
     if (i == kNone || bodies.type[i] != BodyType::dynamic) continue;
     ++load.bodies;
     const Real thickness = thickness_of(core_depth[i]);
-    mass = std::min(mass, bodies.mass[i]), heavy = std::max(heavy, bodies.mass[i]);
+    if (bodies.mass[i] < mass) mass = bodies.mass[i], load.light = i;
+    heavy = std::max(heavy, bodies.mass[i]);
     if (!(thickness < load.thickness)) continue;
     load.thickness = thickness, load.body = i;
   }
@@ -214,8 +217,10 @@ std::span<const std::uint32_t> Rigid::Impl::list_hard(Real rate, bool all, StepC
   const auto count = static_cast<std::uint32_t>(contacts.active.size());
   std::uint32_t* hard = c.scratch->take<std::uint32_t>(count);
   std::uint32_t* in_block = c.scratch->take<std::uint32_t>(count / kGrain.items + 1);
+  ContactLoad* squeezed = c.scratch->take<ContactLoad>(count / kGrain.items + 1);
   c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     std::uint32_t end = first;
+    ContactLoad& most = squeezed[first / kGrain.items] = {};
     for (std::uint32_t n = first; n < last; ++n) {
       const std::uint32_t slot = contacts.active[n];
       const Contact& contact = contacts.slots[slot];
@@ -223,6 +228,8 @@ std::span<const std::uint32_t> Rigid::Impl::list_hard(Real rate, bool all, StepC
       if (!all && !carried_nothing && (slot + c.step) % kLookSteps != 0) continue;
       const ContactLoad load = load_of(contact, rate, c);
       if (load.body == kNone || !bodies.moves(load.body)) continue;
+      const bool deep = load.ratio > kOdd && load.depth > kSqueezed * load.thickness;
+      if (deep && load.bodies == 2 && load.ratio > most.ratio) most = load;
       if (load.sinks > kHolds || (load.ratio * load.ratio - 1) * load.by_weight > kLooks) hard[end++] = load.body;
     }
     in_block[first / kGrain.items] = end - first;
@@ -232,6 +239,7 @@ std::span<const std::uint32_t> Rigid::Impl::list_hard(Real rate, bool all, StepC
     const std::uint32_t found = in_block[first / kGrain.items];
     std::copy(hard + first, hard + first + found, hard + end);
     end += found;
+    if (const ContactLoad& load = squeezed[first / kGrain.items]; load.body != kNone) warn_squeezed(load, c);
   }
   return {hard, end};
 }
@@ -328,6 +336,18 @@ void Rigid::Impl::share_out(IslandLoad* by_root, StepContext& c) {
     level_trend[i] = island.trend;
     if (level[i] > 0) levels[p + 1] = level[i];
   }
+}
+
+// An impact of a body so much heavier that its contact hardly sees what holds the light one from behind.
+void Rigid::Impl::warn_squeezed(const ContactLoad& load, StepContext& c) {
+  if (load_warned) return;
+  load_warned = true;
+  char text[200];
+  std::snprintf(text, sizeof text,
+                " gives way by %.2g %% of its thickness to a body of %.0f times its mass: more substeps than %d, or "
+                "masses that differ less, would hold it",
+                static_cast<double>(100 * load.depth / load.thickness), static_cast<double>(load.ratio), c.substeps);
+  events.warn("overload", objects.describe(bodies.object[load.light]) + text, bodies.object[load.light]);
 }
 
 // Bodies in an impact, or made inside each other, part again: the same one must be found twice, overlapping no less,

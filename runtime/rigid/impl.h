@@ -62,12 +62,12 @@ struct FastStop {
 
 // What a contact carries: its thinner body, and how far that sinks.
 struct ContactLoad {
-  std::uint32_t body = kNone;
-  int bodies = 0;                         // that are dynamic
-  Real thickness = kInfinity, depth = 0;  // m
-  Real sinks = 0, by_weight = 0;          // of the thickness, in the long run: by its load, by weights alone
-  Real ratio = 0, force = 0;              // of the masses; N
-  Real pull = 0;                          // the weights on it over its mass, m/s^2
+  std::uint32_t body = kNone, light = kNone;  // the thinner and the lighter one
+  int bodies = 0;                             // that are dynamic
+  Real thickness = kInfinity, depth = 0;      // m
+  Real sinks = 0, by_weight = 0;              // of the thickness, in the long run: by its load, by weights alone
+  Real ratio = 0, force = 0;                  // of the masses; N
+  Real pull = 0;                              // the weights on it over its mass, m/s^2
 };
 
 // How a body swings across the tension of its joints: (h w)^2 with one piece, at their forces now and per newton, 1/N.
@@ -185,6 +185,7 @@ struct Rigid::Impl {
   void choose_levels(StepContext& c);
   void share_out(IslandLoad* by_root, StepContext& c);
   void check_loads(StepContext& c);
+  void warn_squeezed(const ContactLoad& load, StepContext& c);
   void join_islands();
   void sleep_islands();
 

@@ -236,3 +236,25 @@ TEST_CASE("the warning mass_ratio speaks of loops, and of trees beyond their lim
     if (e.kind == EventKind::warning && t.s.world().events().warning_code(e) == "mass_ratio") ++warnings;
   CHECK(warnings == row.warnings);  // repeats of a code in one step are counted, not kept
 }
+
+TEST_CASE("a light box under one that falls on it is held, or named", "[rigid][overload]") {
+  const double mass = GENERATE(100.5, 1000.0), size = GENERATE(0.3, 1.0), drop = GENERATE(0.3, 3.0);
+  CAPTURE(mass, size, drop);
+  ClosedScene s("soft_step");
+  s.rigid().add_body(ground_of(Real(0.6)));
+  const ObjectId light = s.rigid().add_body(
+      body_of(make_box(Real(size), Real(size), Real(size)), Vec3(0, Real(size / 2), 0), 1, Real(0.6)));
+  const ObjectId heavy =
+      s.rigid().add_body(body_of(make_box(1, 1, 1), Vec3(0, Real(size + drop + 0.5), 0), Real(mass), Real(0.6)));
+  double deepest = 0;
+  bool named = false;
+  for (int step = 0; step < 90; ++step) {
+    s.world().step();
+    const double gap = static_cast<double>(s.position(heavy)[1] - s.position(light)[1]) - (0.5 + size / 2);
+    deepest = std::max(deepest, -gap / size);
+    for (const Event& e : s.world().events().list())
+      named = named || (e.kind == EventKind::warning && e.a == light);
+  }
+  CAPTURE(deepest);
+  CHECK((named || deepest < 0.12));
+}
