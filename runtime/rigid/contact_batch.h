@@ -89,6 +89,7 @@ struct ContactPass {
 
 struct ContactKernels {
   void (*prepare)(const ContactPass&);
+  void (*renew)(const ContactPass&);  // after `prepare`: the masses have changed
   void (*warm_start)(const ContactPass&);
   void (*mark)(const ContactPass&);    // which points strike
   void (*strike)(const ContactPass&);  // restitution, a round over those

@@ -245,6 +245,17 @@ ContactPass ContactGroup::pass() const {
   return p;
 }
 
+void ContactGroup::renew(const std::uint8_t* turned, const ContactKernels& kernels, ContactPass pass) {
+  for (std::uint32_t i = 0; i < batch_count_; ++i) {
+    const ContactBatch& c = batches_[i];
+    unsigned any = 0;
+    for (int lane = 0; lane < kLanes; ++lane) any |= turned[c.index_a[lane]] | turned[c.index_b[lane]];
+    if (!any) continue;
+    pass.first = i, pass.last = i + 1;
+    kernels.renew(pass);
+  }
+}
+
 bool ContactGroup::any_bounces() const {
   for (std::uint32_t i = 0; i < batch_count_; ++i)
     if (sides_[i].bounces) return true;

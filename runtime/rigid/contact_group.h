@@ -53,6 +53,9 @@ class ContactGroup {
     strikes_ = c.scratch->take<StrikeBatch>(batch_count_), bounces_ = bounces;
   }
 
+  // Batches with bodies that have turned, by solver index, get their masses again.
+  void renew(const std::uint8_t* turned, const ContactKernels& kernels, ContactPass pass);
+
   // Calls f(place) for the points that `mark` has found.
   struct Place {
     std::uint32_t slot, batch, lane;

@@ -101,8 +101,7 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
   return along + dot(load(q.angular_b), wb) - dot(load(q.angular_a), wa);
 }
 
-// Masses into the batch, and the effective masses and couplings of its points.
-[[gnu::always_inline]] inline void prepare_normals(const ContactPass& p, ContactBatch& c) {
+[[gnu::always_inline]] inline void prepare_masses(const ContactPass& p, ContactBatch& c) {
   for (int side = 0; side < 2; ++side) {
     const unsigned* index = side ? c.index_b : c.index_a;
     Lanes r[kLanes];
@@ -113,16 +112,26 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
     for (int k = 0; k < 5; ++k) store(inertia[k], r[k + 3]);
     for (int i = 0; i < kLanes; ++i) inertia[5].v[i] = p.masses[index[i]].inv_inertia[5];
   }
+}
+
+// Effective masses and couplings of the points; kFirst: their arms are not yet multiplied by the normal.
+template <bool kFirst>
+[[gnu::always_inline]] inline void prepare_normals(const ContactPass& p, ContactBatch& c) {
   const Lanes3 n = load(c.normal);
   const Lanes3 inv_mass = load(c.inv_mass_a) + load(c.inv_mass_b);
   const Lanes along = dot(times(inv_mass, n), n);
   Lanes sum = zero_lanes();
   for (int j = 0; j < kBatchPoints; ++j) {
     BatchPoint& q = c.point[j];
-    const Lanes valid = load(q.mass);
-    const Lanes3 a = cross(load(q.angular_a), n) * valid, b = cross(load(q.angular_b), n) * valid;
-    store(q.angular_a, a);
-    store(q.angular_b, b);
+    Lanes valid = load(q.mass);
+    Lanes3 a = load(q.angular_a), b = load(q.angular_b);
+    if constexpr (kFirst) {
+      a = cross(a, n) * valid, b = cross(b, n) * valid;
+      store(q.angular_a, a);
+      store(q.angular_b, b);
+    } else {
+      valid = select(valid > zero_lanes(), all_lanes(1), zero_lanes());
+    }
     const Lanes3 ia = times(c.inv_inertia_a, a), ib = times(c.inv_inertia_b, b);
     for (int k = 0; k < j; ++k)
       store(c.coupling[kPair[j][k]], along + dot(load(c.point[k].angular_a), ia) + dot(load(c.point[k].angular_b), ib));
@@ -130,6 +139,7 @@ constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4,
     store(q.mass, mass);
     sum += mass;
   }
+  if constexpr (!kFirst) return;
   // compliance: together the points are as stiff as a single one between the same two bodies (a face that cannot rotate
   // would be four times as stiff). They are softer against tilting: corners act there with a lever and with little
   // inertia, and one pass over a stack of five would not converge. So the compliance is a matrix: leak / mass on the
@@ -220,7 +230,8 @@ void prepare_batches(const ContactPass& p) {
     for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.index_a[k] > 0 || !(c.writes_a >> k & 1u));
     for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.index_b[k] > 0 || !(c.writes_b >> k & 1u));
     prepare_center(c);
-    prepare_normals(p, c);
+    prepare_masses(p, c);
+    prepare_normals<true>(p, c);
     prepare_friction(c);
     if (side.rolls) prepare_rolling(c, side);
     Sides s;
@@ -242,6 +253,16 @@ void prepare_batches(const ContactPass& p) {
     c.rounds = 1;
     for (int k = 0; k < kLanes; ++k)
       if (landing.v[k] > kColdSpeed) c.rounds = kColdRounds;
+  }
+}
+
+void renew_batches(const ContactPass& p) {
+  for (unsigned i = p.first; i < p.last; ++i) {
+    ContactBatch& c = p.batches[i];
+    prepare_masses(p, c);
+    prepare_normals<false>(p, c);
+    prepare_friction(c);
+    if (p.sides[i].rolls) prepare_rolling(c, p.sides[i]);
   }
 }
 
@@ -531,8 +552,8 @@ void relax_batches(const ContactPass& p) {
   }
 }
 
-constexpr ContactKernels kKernels = {prepare_batches, warm_start_batches, mark_strikes,
-                                     strike_batches,  solve_batches,      relax_batches};
+constexpr ContactKernels kKernels = {prepare_batches, renew_batches, warm_start_batches, mark_strikes,
+                                     strike_batches,  solve_batches, relax_batches};
 
 }  // namespace
 }  // namespace feder

@@ -303,7 +303,7 @@ void ImpulseSolver::travel(const SolverBodies& solver_bodies, const ImpulseScene
   for (std::size_t i = 1; i < solver_bodies.state.size(); ++i) {
     SolverBody& m = s.state[i];
     ImpulseBody& b = bodies_[i];
-    if (b.uneven) take_pushes(*b.uneven, m, s.mass[i]);
+    if (b.uneven) take_pushes(*b.uneven, m);
     const Vec3 rotation = free_delta_rotation(s, static_cast<std::uint32_t>(i));
     b.substep_delta_rotation = rotation;
     m.delta_position += s.h * m.velocity + b.impact_delta_position;

@@ -9,6 +9,8 @@
 namespace feder {
 namespace {
 
+constexpr Real kSeenTurn = Real(0.05);  // rad, from which on contacts see that a body has turned
+
 Vec3d crossed(const Vec3d& a, const Vec3d& b) {
   return Vec3d(a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]);
 }
@@ -91,15 +93,35 @@ Vec3 push_jointed(JointedBody& j, const Vec3d& moment, SolverBody& s, bool late)
 
 Vec3d slender_inv_moments(const Vec3d& inv_moments) { return inv_moments.cwiseMin(10 * inv_moments.minCoeff()); }
 
-Vec3d jointed_momentum(const JointedBody& j, const SolverBody& s, const SolverMass& m) {
+Mat3d seen_inv_inertia(const JointedBody& j, const Quat& rotation) {
+  const Mat3d axes = jointed_axes(j, rotation);
+  const Vec3d seen = j.slender ? slender_inv_moments(j.inv_moments) : j.inv_moments;
+  return axes * seen.asDiagonal() * axes.transpose();
+}
+
+bool turn_seen(JointedBody& j, const Quat& rotation, Real* change) {
+  const Quat& q = j.contact_rotation;
+  const Real same = q.x * rotation.x + q.y * rotation.y + q.z * rotation.z + q.w * rotation.w;
+  if (same * same > 1 - kSeenTurn * kSeenTurn / 4) return false;
+  const Vec3d seen = j.slender ? slender_inv_moments(j.inv_moments) : j.inv_moments;
+  const Mat3d old = jointed_axes(j, q), now = jointed_axes(j, rotation);
+  const Vec3d given(change[0], change[1], change[2]);
+  const Vec3d moment = old * (old.transpose() * given).cwiseQuotient(seen);
+  const Vec3d gives = now * (now.transpose() * moment).cwiseProduct(seen);
+  for (int k = 0; k < 3; ++k) change[k] = static_cast<Real>(gives[k]);
+  j.contact_rotation = rotation;
+  return true;
+}
+
+Vec3d jointed_momentum(const JointedBody& j, const SolverBody& s) {
   const Vec3 pushed = s.angular_velocity - j.given_angular_velocity;
   if (pushed.isZero(0)) return j.momentum;
-  const Mat3d axes = jointed_axes(j, j.slender ? s.rotation : m.start_rotation);
+  const Mat3d axes = jointed_axes(j, j.slender ? s.rotation : j.contact_rotation);
   return j.momentum + axes * (axes.transpose() * pushed.cast<double>()).cwiseQuotient(j.inv_moments);
 }
 
-Vec3d carried_momentum(const JointedBody& j, const SolverBody& s, const SolverMass& m) {
-  const Vec3d momentum = jointed_momentum(j, s, m);
+Vec3d carried_momentum(const JointedBody& j, const SolverBody& s) {
+  const Vec3d momentum = jointed_momentum(j, s);
   const Mat3d axes = jointed_axes(j, s.rotation);
   const Vec3d fixed = axes.transpose() * momentum;
   const Vec3d along = j.free_axes.transpose() * rotated_back(-j.correction.cast<double>(), momentum);

@@ -27,6 +27,7 @@ struct JointedBody {
   Vec3 mean_angular_velocity = Vec3::Zero();   // at the middle of the rotation by forces alone, rad/s
   Vec3 drift_angular_velocity = Vec3::Zero();  // of the drift of this substep, rad/s
   Vec3 correction = Vec3::Zero();              // part of that drift that only corrected positions, rad
+  Quat contact_rotation;                       // of the body whose inertia contacts use
   bool uneven = false;                         // false: SolverMass is enough, nothing here is used
   bool slender = false;                        // contacts use larger moments: see slender_inv_moments
 
@@ -59,20 +60,28 @@ inline Vec3 jointed_response(const JointedBody& j, const Vec3& moment) {
 // long axis. What contacts change of the angular velocity is taken over as it is.
 Vec3d slender_inv_moments(const Vec3d& inv_moments);
 
+// Inverse inertia that contacts use with the body at `rotation`, 1/(kg m^2).
+Mat3d seen_inv_inertia(const JointedBody& j, const Quat& rotation);
+
+// Contacts are to use the inertia now where the body has turned since: a projection in the metric of another pose, in
+// turn with those of joints, adds energy. Returns whether they do; `change`, an angular velocity that contacts have
+// given, is then what the same angular impulse gives now.
+bool turn_seen(JointedBody& j, const Quat& rotation, Real* change);
+
 // Angular momentum with the impulses of contacts and couplings: their change of the angular velocity times the inertia
-// they used, that of the start of the step; for slender bodies the inertia now.
-Vec3d jointed_momentum(const JointedBody& j, const SolverBody& s, const SolverMass& m);
+// they used; for slender bodies the inertia now.
+Vec3d jointed_momentum(const JointedBody& j, const SolverBody& s);
 
 // Takes the impulses of contacts and couplings so far into the momentum.
-inline void take_pushes(JointedBody& j, const SolverBody& s, const SolverMass& m) {
-  j.momentum = jointed_momentum(j, s, m);
+inline void take_pushes(JointedBody& j, const SolverBody& s) {
+  j.momentum = jointed_momentum(j, s);
   j.given_angular_velocity = s.angular_velocity;
 }
 
 // The same after the substep, carried along with position corrections. A rotation by r that only corrects positions
 // would leave the momentum in another direction of the body and add an energy of (r x L)^2/2I about an axis with moment
 // I: so the momentum is rotated with the body, the more the smaller the moment about an axis.
-Vec3d carried_momentum(const JointedBody& j, const SolverBody& s, const SolverMass& m);
+Vec3d carried_momentum(const JointedBody& j, const SolverBody& s);
 
 // Drift: free rotation for h seconds; returns the rotation vector, rad.
 Vec3 rotate_jointed(JointedBody& j, Real h);

@@ -171,11 +171,11 @@ void Rigid::Impl::load_inertia(std::uint32_t body) {
   to.uneven = true;
   to.inv_moments = inv_moments[body].cast<double>();
   to.principal = principal[body];
+  to.contact_rotation = solver_bodies.state[index].rotation;
   to.axes = to.free_axes = jointed_axes(to, solver_bodies.state[index].rotation);
-  const Vec3d seen = slender_inv_moments(to.inv_moments);
-  to.slender = seen != to.inv_moments;
+  to.slender = slender_inv_moments(to.inv_moments) != to.inv_moments;
   if (!to.slender) return;
-  solver_bodies.mass[index].inv_inertia = (to.axes * seen.asDiagonal() * to.axes.transpose()).cast<Real>();
+  solver_bodies.mass[index].inv_inertia = seen_inv_inertia(to, to.contact_rotation).cast<Real>();
 }
 
 // Trees are solved exactly, loops from joint to joint.

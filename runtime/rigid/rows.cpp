@@ -160,7 +160,7 @@ void Rigid::Impl::integrate_velocities(StepContext& c) {
     for (int k = 0; k < 3; ++k)
       if (bodies.lock[i] & (kLockRx << k)) s.angular_velocity[k] = 0;
   } else if (JointedBody* j = uneven_body(p + 1)) {
-    const Vec3d l = carried_momentum(*j, s, m) + (c.h * applied_torque[p]).cast<double>();
+    const Vec3d l = carried_momentum(*j, s) + (c.h * applied_torque[p]).cast<double>();
     start_jointed(*j, l * static_cast<double>(brake), c.h, s);
   }
   // a non-finite body must not spread through its contacts
@@ -236,7 +236,7 @@ void Rigid::Impl::commit_body(std::uint32_t p) {
   Vec3& l = kept_momentum[i];
   spin_invariant[i] = kUnknownSpin;
   if (const JointedBody* j = uneven_body(p + 1))
-    l = carried_momentum(*j, s, solver_bodies.mass[p + 1]).cast<Real>();
+    l = carried_momentum(*j, s).cast<Real>();
   else
     l = spin_momentum(p);
   bodies.angular_velocity[i] = kept_angular_velocity[i] = angular_velocity_of(bodies.inv_inertia[i], s.rotation, l);

@@ -108,6 +108,7 @@ class SoftStep final : public RigidSolver {
   void end_velocity(std::uint32_t i, const SolverBody& s);
   void report_corrections(const Group& g, const Piece& piece, const SolverInput& in);
   ContactPass pass(const Group& g, const Piece& piece, const SolverInput& in, const StepContext& c) const;
+  void renew_contacts(Group& g, const Piece& piece, const SolverInput& in, const StepContext& c);
   void begin_from(std::uint32_t i, const SolverBody& s);
   void strike(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
   void settle_impacts(Group& g, const Piece& piece, const SolverInput& in, const SolverInput& own, StepContext& c);
@@ -139,6 +140,8 @@ class SoftStep final : public RigidSolver {
 
   // in the step's scratch memory
   ContactShared shared_;
+  WideMass* masses_ = nullptr;      // those of shared_
+  std::uint8_t* turned_ = nullptr;  // by solver index: contacts do not see its inertia now
   Real* before_ = nullptr;          // velocities before the contacts of the substep, 6 per solver body
   Real* contact_change_ = nullptr;  // velocity change by contacts in the last substep, 6 per solver body
   Real* kept_ = nullptr;            // of bodies in pieces: velocities at the end of the last substep, 6 per solver body
@@ -241,6 +244,9 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
                    Real(movable(m) ? 1 : 0),
                    {}};
     }
+    masses_ = masses;
+    turned_ = in.jointed.empty() ? nullptr : c.scratch->take<std::uint8_t>(body_count);
+    if (turned_) std::fill_n(turned_, body_count, std::uint8_t(0));
     shared_ = {masses, c.scratch->take<Real>(body_count), c.scratch->take<std::uint64_t>(body_count)};
     std::fill_n(shared_.crowd, body_count, Real(0));
     std::fill_n(shared_.colors, body_count, std::uint64_t(0));
@@ -255,7 +261,7 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   kept_momentum_ = in.jointed.empty() ? nullptr : c.scratch->take<Vec3d>(body_count_);
   for (std::uint32_t i = 0; i < in.jointed.size(); ++i)
     if (const JointedBody* j = in.uneven(i))
-      kept_momentum_[i] = carried_momentum(*j, in.solver_bodies->state[i], in.solver_bodies->mass[i]);
+      kept_momentum_[i] = carried_momentum(*j, in.solver_bodies->state[i]);
 }
 
 // Impulses of joints, too, are kept per substep.
@@ -304,6 +310,24 @@ void SoftStep::prepare_contacts(const SolverInput& in, StepContext& c) {
   for (int k = 0; k < 6; ++k) change[k] = v[k] - before[k];
 }
 
+// Contacts see uneven jointed bodies as they lie now, and so does their warm start.
+void SoftStep::renew_contacts(Group& g, const Piece& piece, const SolverInput& in, const StepContext& c) {
+  if (g.joints.empty() || g.contacts.empty() || in.jointed.empty()) return;
+  bool any = false;
+  for (const std::uint32_t i : g.soft_joints->bodies()) {
+    JointedBody* j = in.uneven(i);
+    if (!j) continue;
+    const Quat& rotation = in.solver_bodies->state[i].rotation;
+    turned_[i] = turn_seen(*j, rotation, contact_change_ + std::size_t(i) * 6 + 3);
+    if (!turned_[i]) continue;
+    any = true;
+    const Mat3d m = seen_inv_inertia(*j, rotation);
+    const double packed[6] = {m(0, 0), m(1, 1), m(2, 2), m(0, 1), m(0, 2), m(1, 2)};
+    for (int k = 0; k < 6; ++k) masses_[i].inv_inertia[k] = static_cast<Real>(packed[k]);
+  }
+  if (any) g.contacts.renew(turned_, *kernels_, pass(g, piece, in, c));
+}
+
 // The velocity from which contacts change it, when what they changed so far is contact_change_.
 void SoftStep::begin_from(std::uint32_t i, const SolverBody& s) {
   Real* before = before_ + std::size_t(i) * 6;
@@ -312,9 +336,9 @@ void SoftStep::begin_from(std::uint32_t i, const SolverBody& s) {
 }
 
 // Drift of an uneven jointed body after contacts: free rotation for h seconds, rad.
-Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, const SolverMass& m, Real h) {
+Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, Real h) {
   j.drift_angular_velocity = s.angular_velocity;
-  take_pushes(j, s, m);
+  take_pushes(j, s);
   return rotate_jointed(j, h);
 }
 
@@ -327,7 +351,7 @@ Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, const SolverMass&
   if (!slides.empty()) {
     FEDER_ASSERT(slides.size() == body_count_);
     s.delta_position += h * slides[i].velocity;
-    if (JointedBody* j = in.uneven(i)) rotation = drift_delta_rotation(*j, s, in.solver_bodies->mass[i], h);
+    if (JointedBody* j = in.uneven(i)) rotation = drift_delta_rotation(*j, s, h);
     rotation += h * slides[i].angular_velocity;
   }
   if (rotation[0] == 0 && rotation[1] == 0 && rotation[2] == 0) return;
@@ -401,6 +425,7 @@ void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, 
   if (c.jobs->threads() > 1 && g.joints.empty() && !g.contacts.empty() && !g.contacts.bounces())
     return solve_staged(g, piece, in, c);
   SolverBody* state = in.solver_bodies->state.data();
+  if (!piece.first) renew_contacts(g, piece, in, c);
   if (!g.contacts.empty()) each_body(g, c, [&](std::uint32_t i) { start_velocity(i, !piece.first, state[i]); });
   const auto run = [&](void (*kernel)(const ContactPass&)) {
     if (!g.contacts.empty()) g.contacts.run(kernel, pass(g, piece, in, c), *c.jobs);
@@ -416,6 +441,7 @@ void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, 
   run(kernels_->solve);
   const std::span<const BodySlide> slides = jointed ? g.soft_joints->slides() : std::span<const BodySlide>();
   each_body(g, c, [&](std::uint32_t i) { move(i, piece.h, slides, in); });
+  renew_contacts(g, piece, in, c);
   if (jointed) keep_out(g, in, c, [&] { g.soft_joints->relax(own, time); });
   if (jointed && !g.soft_joints->all_direct()) report_corrections(g, piece, in);
   run(kernels_->relax);
@@ -472,7 +498,7 @@ void SoftStep::solve_in_pieces(Group& g, const SolverInput& in, StepContext& c) 
       const Real* push = push_ + std::size_t(i) * 6;
       for (int k = 0; k < 3; ++k) state[i].velocity[k] += push[k];
       if (JointedBody* j = in.uneven(i)) {
-        if (n > 0) kept_momentum_[i] = carried_momentum(*j, state[i], in.solver_bodies->mass[i]);
+        if (n > 0) kept_momentum_[i] = carried_momentum(*j, state[i]);
         start_jointed(*j, kept_momentum_[i] + given[i], h, state[i]);
         return;
       }
@@ -483,7 +509,7 @@ void SoftStep::solve_in_pieces(Group& g, const SolverInput& in, StepContext& c) 
   each_body(g, c, [&](std::uint32_t i) {
     put_velocity(state[i], kept_ + std::size_t(i) * 6);
     if (const JointedBody* j = in.uneven(i))
-      kept_momentum_[i] = carried_momentum(*j, state[i], in.solver_bodies->mass[i]);
+      kept_momentum_[i] = carried_momentum(*j, state[i]);
   });
 }
 
