@@ -103,6 +103,8 @@ void SoftJoints::find_structure(const SolverInput& in, StepContext& c) {
   trees_.clear();
   if (use_trees_) trees_.find(rows_, blocks_, *in.solver_bodies);
   choose_wide(in, c);
+  fill_rows(in, 0);
+  list_bounded();
   all_direct_ = !trees_.empty() && wide_.empty();
   for (std::size_t i = 0; all_direct_ && i < trees_.blocks(); ++i) all_direct_ = trees_.direct(i);
 }

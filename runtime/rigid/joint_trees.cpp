@@ -67,6 +67,8 @@ void JointTrees::grow(std::uint32_t index, std::uint32_t parent, std::uint32_t l
   node.solver_index = index;
   node.parent = parent;
   node.link = link;
+  node.tree = parent == kNone ? static_cast<std::uint32_t>(nodes_.size()) : nodes_[parent].tree;
+  node_of_[index] = static_cast<std::uint32_t>(nodes_.size());
   if (link != kNone) node.rows = links_[link].rows, node.body_is_a = links_[link].index_a == index;
   queue_.push_back(static_cast<std::uint32_t>(nodes_.size()));
   nodes_.push_back(node);
@@ -112,6 +114,7 @@ void JointTrees::order_nodes(std::size_t body_count) {
           Node leaf;
           leaf.parent = at;
           leaf.link = edges_[e];
+          leaf.tree = nodes_[at].tree;
           leaf.leaf = true;
           leaf.rows = next.rows;
           leaf.body_is_a = next.index_a != index;
@@ -143,6 +146,7 @@ void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> block
   const std::size_t count = solver_bodies.state.size();
   nodes_.clear();
   direct_.assign(blocks.size(), 0);
+  node_of_.assign(count, kNone);
   collect_links(rows, blocks, solver_bodies);
   if (links_.empty()) return;
   trees_.reset(count);
@@ -161,6 +165,12 @@ void JointTrees::find(std::span<const Row> rows, std::span<const RowBlock> block
     for (int k = 0; k < links_[l].rows; ++k) direct_[i] |= links_[l].row[k] == blocks[i].first;
   }
   place_numbers();
+}
+
+bool JointTrees::joins(std::uint32_t a, std::uint32_t b) const {
+  const std::uint32_t x = node_of(a), y = node_of(b);
+  if (x == kNone || y == kNone) return x != y;
+  return nodes_[x].tree == nodes_[y].tree;
 }
 
 void JointTrees::leave_out(std::span<const std::uint8_t> left_out, std::span<const RowBlock> blocks) {

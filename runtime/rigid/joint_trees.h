@@ -33,6 +33,18 @@ class JointTrees {
     return direct_[block] != 0;
   }
 
+  // A tree joins the two solver bodies, or one of them to an immovable one.
+  bool joins(std::uint32_t a, std::uint32_t b) const;
+  // Number of its first node.
+  std::uint32_t tree_of(std::uint32_t a, std::uint32_t b) const {
+    return nodes_[node_of(a) != kNone ? node_of(a) : node_of(b)].tree;
+  }
+  // What a unit impulse along a row of `block` does to the tree that joins() its bodies, whose joints hold.
+  void respond(const RowBlock& block, std::span<const Row> rows, const SolverInput& in, std::span<const Real> no_bias,
+               std::span<Real> step);
+  // The change along a row of such a block by the last respond() in the same tree.
+  double response(const RowBlock& block, std::span<const Row> rows, const SolverInput& in) const;
+
   // Of the tree that a solver body belongs to.
   std::uint32_t root(std::uint32_t index) { return trees_.root(index); }
 
@@ -62,6 +74,7 @@ class JointTrees {
   struct Node {
     std::uint32_t solver_index = 0, parent = kNone;  // parent: index in nodes_
     std::uint32_t link = kNone;
+    std::uint32_t tree = 0;  // index in nodes_ of its first one
     bool body_is_a = false;
     bool leaf = false;  // a second anchor of the parent to the world: a node without a body
     int rows = 0;
@@ -73,6 +86,10 @@ class JointTrees {
   void check_nodes() const;
   void grow(std::uint32_t index, std::uint32_t parent, std::uint32_t link);
   void place_numbers();
+  std::uint32_t node_of(std::uint32_t index) const { return index < node_of_.size() ? node_of_[index] : kNone; }
+  void gather(std::uint32_t first, std::uint32_t last, std::span<const Row> rows, const SolverBodies* solver_bodies,
+              std::span<const Real> bias);
+  void push(std::uint32_t first, std::uint32_t last, std::span<Real> step);
   template <int N>
   void factor_link(const Node& node, const TreeRows& rows, const SolverInput& in);
   template <int N>
@@ -89,6 +106,7 @@ class JointTrees {
   Array<std::uint8_t> cyclic_;
   Array<std::uint32_t> count_;  // links of a tree
   Array<std::uint8_t> visited_, direct_;
+  Array<std::uint32_t> node_of_{&arena_};  // by solver index, kNone where it is in no tree
   Array<std::uint32_t> queue_;
   Array<std::uint32_t> new_row_;
   Array<double> masses_;   // mass matrices of the nodes, packed

@@ -13,10 +13,10 @@
 namespace feder {
 namespace {
 
-constexpr std::uint64_t kGapSteps = 16;   // between two looks at a joint
-constexpr std::uint8_t kGapLooks = 2;         // in a row
-constexpr Real kOpens = Real(0.1);         // of the radius of the smaller body
-constexpr Real kBends = Real(0.3);         // rad
+constexpr std::uint64_t kGapSteps = 16;  // between two looks at a joint
+constexpr std::uint8_t kGapLooks = 2;    // in a row
+constexpr Real kOpens = Real(0.1);       // of the radius of the smaller body
+constexpr Real kBends = Real(0.3);       // rad
 
 }  // namespace
 
@@ -66,7 +66,9 @@ void Rigid::Impl::check_open_joints(StepContext& c) {
   if (worst == kNone) return;
   gap_warned = true;
   const JointRecord& r = records[worst];
-  const auto end = [&](ObjectId body) { return body == ObjectId{} ? std::string("the world") : objects.describe(body); };
+  const auto end = [&](ObjectId body) {
+    return body == ObjectId{} ? std::string("the world") : objects.describe(body);
+  };
   const bool opens = widest.open / (kOpens * radius_of(r)) > widest.bend / kBends;
   char text[160];
   std::snprintf(text, sizeof text,

@@ -22,6 +22,7 @@ namespace {
 constexpr JobGrain kStrainGrain{1024, 8'000};  // bodies per job
 constexpr Real kRadian = Real(0.3);            // m, that an error of one radian counts as
 constexpr Real kMostTurn = Real(0.03);         // rad, in a substep, by a correction of positions
+constexpr int kBoundedTurns = 4;               // limits that others have made act come in the next
 constexpr Real kStrain = 2;    // (h omega)^2 up to which a body keeps its inertia; above 4 the substep is unstable
 constexpr Real kSmooth = 300;  // likewise, up to which its rotation goes on as it is: more is a snap
 
@@ -346,6 +347,7 @@ void SoftJoints::prepare_rows(const RowBlock& block, Real h) {
 
 void SoftJoints::clear() {
   rows_.clear(), blocks_.clear(), keys_.clear(), bodies_.clear(), narrow_.clear(), slides_.clear();
+  bounded_.clear(), with_tree_.clear();
   trees_.clear(), wide_.clear();
 }
 
@@ -492,10 +494,7 @@ void SoftJoints::bound_slides(Real h) {
   }
 }
 
-void SoftJoints::solve_trees(const SolverInput& in, Real h, bool biased) {
-  bias_.resize(rows_.size());
-  step_.resize(rows_.size());
-  if (biased && uneven_) slide_trees(in, h), biased = false;
+void SoftJoints::solve_trees(const SolverInput& in, bool biased) {
   for (std::size_t i = 0; i < rows_.size(); ++i) bias_[i] = biased ? ready_[i].bias : ready_[i].relaxed_bias;
   trees_.solve(rows_, in.solver_bodies, bias_, step_);
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
@@ -511,10 +510,16 @@ void SoftJoints::solve_trees(const SolverInput& in, Real h, bool biased) {
 
 void SoftJoints::solve_rows(const SolverInput& in, Real h, bool biased) {
   FEDER_ASSERT(ready_.size() == rows_.size() && prepared_.size() == blocks_.size());
-  if (!trees_.empty()) solve_trees(in, h, biased);
+  if (!trees_.empty()) {
+    bias_.resize(rows_.size());
+    step_.resize(rows_.size());
+    if (biased && uneven_) slide_trees(in, h);
+    solve_trees(in, biased && !uneven_);
+    for (int turn = 0; turn < kBoundedTurns && solve_bounded(in, biased); ++turn) solve_trees(in, biased && !uneven_);
+  }
   for (std::size_t i = 0; i < blocks_.size(); ++i) {
     const std::size_t at = biased ? i : blocks_.size() - 1 - i;
-    if (!is_direct(at)) solve_block(at, in, biased);
+    if (!is_direct(at) && !with_tree_[at]) solve_block(at, in, biased);
   }
 }
 

@@ -95,7 +95,11 @@ class SoftJoints {
   void prepare_rows(const RowBlock& block, Real h);
   void slide_trees(const SolverInput& in, Real h);
   void bound_slides(Real h);
-  void solve_trees(const SolverInput& in, Real h, bool biased);
+  void solve_trees(const SolverInput& in, bool biased);
+  void list_bounded();
+  bool solve_bounded(const SolverInput& in, bool biased);
+  bool solve_active(std::span<const std::uint32_t> active, const SolverInput& in, bool biased);
+  Real velocity_error(const RowBlock& block, const SolverInput& in, bool biased) const;
   void solve_rows(const SolverInput& in, Real h, bool biased);
   void solve_block(std::size_t index, const SolverInput& in, bool biased);
 
@@ -111,6 +115,8 @@ class SoftJoints {
   Array<ReadyRow> ready_{&arena_};
   Array<ReadyBlock> prepared_{&arena_};
   JointTrees trees_{arena_};
+  Array<std::uint32_t> bounded_{&arena_};                            // blocks solved with their tree, tree by tree
+  Array<std::uint8_t> with_tree_{&arena_};                           // by block: is in bounded_
   Array<Real> bias_{&arena_}, step_{&arena_}, compliance_{&arena_};  // by row, for the trees
   Array<Real> strain_{&arena_};                                      // by solver index: h sum |impulse| |arm|, kg m^2
   Array<Real> norm_{&arena_};                // by solver index: of the inverse inertia, 1/(kg m^2)

@@ -260,8 +260,7 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   for (std::size_t i = 0; i < body_count_; ++i) put_velocity(in.solver_bodies->state[i], kept_ + i * 6);
   kept_momentum_ = in.jointed.empty() ? nullptr : c.scratch->take<Vec3d>(body_count_);
   for (std::uint32_t i = 0; i < in.jointed.size(); ++i)
-    if (const JointedBody* j = in.uneven(i))
-      kept_momentum_[i] = carried_momentum(*j, in.solver_bodies->state[i]);
+    if (const JointedBody* j = in.uneven(i)) kept_momentum_[i] = carried_momentum(*j, in.solver_bodies->state[i]);
 }
 
 // Impulses of joints, too, are kept per substep.
@@ -508,8 +507,7 @@ void SoftStep::solve_in_pieces(Group& g, const SolverInput& in, StepContext& c) 
   }
   each_body(g, c, [&](std::uint32_t i) {
     put_velocity(state[i], kept_ + std::size_t(i) * 6);
-    if (const JointedBody* j = in.uneven(i))
-      kept_momentum_[i] = carried_momentum(*j, state[i]);
+    if (const JointedBody* j = in.uneven(i)) kept_momentum_[i] = carried_momentum(*j, state[i]);
   });
 }
 

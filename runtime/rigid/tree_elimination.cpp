@@ -278,16 +278,54 @@ void JointTrees::push_link(const Node& node, std::span<Real> step) {
 void JointTrees::solve(std::span<const Row> rows, const SolverBodies* solver_bodies, std::span<const Real> bias,
                        std::span<Real> step) {
   FEDER_ASSERT(bias.size() == rows.size() && step.size() == rows.size());
+  const auto count = static_cast<std::uint32_t>(nodes_.size());
   for (const Node& node : nodes_)
     for (double& x : body_of(&numbers_[node.first]).load) x = 0;
-  for (std::size_t i = nodes_.size(); i-- > 0;)
+  gather(0, count, rows, solver_bodies, bias);
+  push(0, count, step);
+}
+
+void JointTrees::gather(std::uint32_t first, std::uint32_t last, std::span<const Row> rows,
+                        const SolverBodies* solver_bodies, std::span<const Real> bias) {
+  for (std::uint32_t i = last; i-- > first;)
     with_rows(nodes_[i].rows, [&](auto n) { gather_link<n>(nodes_[i], rows, solver_bodies, bias); });
-  for (const Node& node : nodes_) {
+}
+
+void JointTrees::push(std::uint32_t first, std::uint32_t last, std::span<Real> step) {
+  for (std::uint32_t i = first; i < last; ++i) {
+    const Node& node = nodes_[i];
     BodyNumbers& body = body_of(&numbers_[node.first]);
     for (int k = 0; k < 6; ++k) body.response[k] = body.load[k];
     with_rows(node.rows, [&](auto n) { push_link<n>(node, step); });
     if (!node.leaf) solve_factors<6>(body.inertia, body.response);
   }
+}
+
+void JointTrees::respond(const RowBlock& block, std::span<const Row> rows, const SolverInput& in,
+                         std::span<const Real> no_bias, std::span<Real> step) {
+  FEDER_ASSERT(joins(block.index_a, block.index_b) && block.count == 1);
+  const std::uint32_t first = tree_of(block.index_a, block.index_b);
+  std::uint32_t last = first;
+  for (; last < nodes_.size() && nodes_[last].tree == first; ++last)
+    for (double& x : body_of(&numbers_[nodes_[last].first]).load) x = 0;
+  for (const bool side_a : {true, false}) {
+    const std::uint32_t index = side_a ? block.index_a : block.index_b, at = node_of(index);
+    if (at != kNone) jacobian(rows[block.first], side_a, in.uneven(index), body_of(&numbers_[nodes_[at].first]).load);
+  }
+  gather(first, last, rows, nullptr, no_bias);
+  push(first, last, step);
+}
+
+double JointTrees::response(const RowBlock& block, std::span<const Row> rows, const SolverInput& in) const {
+  double change = 0;
+  for (const bool side_a : {true, false}) {
+    const std::uint32_t index = side_a ? block.index_a : block.index_b, at = node_of(index);
+    if (at == kNone) continue;
+    double along[6];
+    jacobian(rows[block.first], side_a, in.uneven(index), along);
+    change += dot6(along, body_of(&numbers_[nodes_[at].first]).response);
+  }
+  return change;
 }
 
 void JointTrees::move_bodies(SolverBodies& solver_bodies) const {

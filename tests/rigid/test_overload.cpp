@@ -252,8 +252,7 @@ TEST_CASE("a light box under one that falls on it is held, or named", "[rigid][o
     s.world().step();
     const double gap = static_cast<double>(s.position(heavy)[1] - s.position(light)[1]) - (0.5 + size / 2);
     deepest = std::max(deepest, -gap / size);
-    for (const Event& e : s.world().events().list())
-      named = named || (e.kind == EventKind::warning && e.a == light);
+    for (const Event& e : s.world().events().list()) named = named || (e.kind == EventKind::warning && e.a == light);
   }
   CAPTURE(deepest);
   CHECK((named || deepest < 0.12));
