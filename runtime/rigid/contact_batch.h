@@ -85,16 +85,19 @@ struct ContactPass {
   WideReal bounce_speed;         // slower approaches do not bounce, m/s
   unsigned odd;                  // 1 in every second substep
   unsigned all_strike;           // 1: impacts without restitution, too, are strikes
+  const unsigned char* jointed;  // by solver index: on a joint
 };
 
 struct ContactKernels {
   void (*prepare)(const ContactPass&);
   void (*renew)(const ContactPass&);  // after `prepare`: the masses have changed
   void (*warm_start)(const ContactPass&);
-  void (*mark)(const ContactPass&);    // which points strike
-  void (*strike)(const ContactPass&);  // restitution, a round over those
-  void (*solve)(const ContactPass&);   // with bias; friction in part
-  void (*relax)(const ContactPass&);   // without bias; friction, twist, rolling
+  void (*mark)(const ContactPass&);         // which points strike
+  void (*strike)(const ContactPass&);       // restitution, a round over those
+  void (*mark_thrown)(const ContactPass&);  // which points of jointed bodies their warm start drives apart
+  void (*ease)(const ContactPass&);         // takes it back, a round over those
+  void (*solve)(const ContactPass&);        // with bias; friction in part
+  void (*relax)(const ContactPass&);        // without bias; friction, twist, rolling
 };
 
 extern const ContactKernels kContactKernelsPlain;

@@ -322,6 +322,58 @@ void mark_strikes(const ContactPass& p) {
   }
 }
 
+// Which points part now, faster than bounce_speed, by an impulse that they have: of jointed bodies only.
+void mark_thrown(const ContactPass& p) {
+  const Lanes zero = zero_lanes();
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const ContactBatch& c = p.batches[i];
+    StrikeBatch& strike = p.strikes[i];
+    strike.acts = 0;
+    Lane8 jointed;
+    unsigned any_jointed = 0;
+    for (int k = 0; k < kLanes; ++k) {
+      const unsigned is = p.jointed[c.index_a[k]] | p.jointed[c.index_b[k]];
+      jointed.v[k] = WideReal(is), any_jointed |= is;
+    }
+    if (!any_jointed) continue;
+    Sides s;
+    gather_velocity(p, c, s);
+    const Lanes along = dot(load(c.normal), linear(s.b) - linear(s.a));
+    Lanes some = zero;
+    for (unsigned j = 0; j < c.points; ++j) {
+      const BatchPoint& q = c.point[j];
+      const Lanes speed = point_speed(q, along, angular(s.a), angular(s.b));
+      const LaneMask thrown = (speed > all_lanes(p.bounce_speed)) & (load(q.impulse) > zero);
+      const Lanes parts = select(thrown, speed, zero) * load(jointed);
+      some = max(some, parts * load(q.mass));
+      store(strike.approach[j], -parts);
+    }
+    strike.acts = any(some > zero);
+  }
+}
+
+void ease_batches(const ContactPass& p) {
+  const Lanes zero = zero_lanes(), one = all_lanes(1);
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const StrikeBatch& strike = p.strikes[i];
+    if (!strike.acts) continue;
+    ContactBatch& c = p.batches[i];
+    Sides s;
+    gather_velocity(p, c, s);
+    const Lanes3 n = load(c.normal);
+    for (unsigned j = 0; j < c.points; ++j) {
+      BatchPoint& q = c.point[j];
+      const Lanes along = dot(n, linear(s.b) - linear(s.a));
+      const Lanes speed = point_speed(q, along, angular(s.a), angular(s.b));
+      const Lanes thrown = select(load(strike.approach[j]) < zero, one, zero), old = load(q.impulse);
+      const Lanes change = thrown * (max(old - max(load(q.mass) * speed, zero), zero) - old);
+      store(q.impulse, old + change);
+      push(c, s, n * change, load(q.angular_a) * change, load(q.angular_b) * change);
+    }
+    write_back(p, c, s);
+  }
+}
+
 // Friction of a strike: Coulomb's cone over the impulse `held` of its points so far.
 [[gnu::always_inline]] inline void strike_friction(const ContactBatch& c, StrikeBatch& strike, Lanes held, Sides& s) {
   const Lanes3 t1 = load(c.tangent), t2 = cross(load(c.normal), t1);
@@ -552,8 +604,8 @@ void relax_batches(const ContactPass& p) {
   }
 }
 
-constexpr ContactKernels kKernels = {prepare_batches, renew_batches, warm_start_batches, mark_strikes,
-                                     strike_batches,  solve_batches, relax_batches};
+constexpr ContactKernels kKernels = {prepare_batches, renew_batches, warm_start_batches, mark_strikes, strike_batches,
+                                     mark_thrown,     ease_batches,  solve_batches,      relax_batches};
 
 }  // namespace
 }  // namespace feder

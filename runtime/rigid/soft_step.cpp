@@ -32,6 +32,7 @@ namespace {
 constexpr Real kRestSubsteps = 4;
 // turns of contacts and joints, and rounds of contacts in each; what is left then is left to the soft rows
 constexpr int kImpactTurns = 30, kImpactRounds = 16;
+constexpr int kEaseTurns = 10, kEaseRounds = 4;  // likewise, for what the warm start throws
 constexpr int kStrikeWaves = 64;  // in a substep; what has not been passed on then is left to the soft rows
 // batches and bodies per job
 constexpr Real kTreeRatio = 2'000;  // by experiment, with pieces: beyond, some chains gain energy
@@ -111,6 +112,7 @@ class SoftStep final : public RigidSolver {
   void renew_contacts(Group& g, const Piece& piece, const SolverInput& in, const StepContext& c);
   void begin_from(std::uint32_t i, const SolverBody& s);
   void strike(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
+  void ease_contacts(Group& g, const Piece& piece, const SolverInput& in, const SolverInput& own, StepContext& c);
   void settle_impacts(Group& g, const Piece& piece, const SolverInput& in, const SolverInput& own, StepContext& c);
   template <class F>
   void keep_out(const Group& g, const SolverInput& in, StepContext& c, F&& f);
@@ -140,10 +142,11 @@ class SoftStep final : public RigidSolver {
 
   // in the step's scratch memory
   ContactShared shared_;
-  WideMass* masses_ = nullptr;      // those of shared_
-  std::uint8_t* turned_ = nullptr;  // by solver index: contacts do not see its inertia now
-  Real* before_ = nullptr;          // velocities before the contacts of the substep, 6 per solver body
-  Real* contact_change_ = nullptr;  // velocity change by contacts in the last substep, 6 per solver body
+  WideMass* masses_ = nullptr;       // those of shared_
+  std::uint8_t* turned_ = nullptr;   // by solver index: contacts do not see its inertia now
+  std::uint8_t* jointed_ = nullptr;  // by solver index: on a joint
+  Real* before_ = nullptr;           // velocities before the contacts of the substep, 6 per solver body
+  Real* contact_change_ = nullptr;   // velocity change by contacts in the last substep, 6 per solver body
   Real* kept_ = nullptr;            // of bodies in pieces: velocities at the end of the last substep, 6 per solver body
   Real* push_ = nullptr;            // and what changed them since, per piece
   Vec3d* kept_momentum_ = nullptr;  // of uneven jointed bodies: angular momenta likewise, N m s
@@ -253,6 +256,11 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   }
   make_groups(in, c);
   for (Group& g : groups_) prepare_joints(g, in, c);
+  jointed_ = in.active_joints.empty() ? nullptr : c.scratch->take<std::uint8_t>(body_count);
+  if (jointed_) std::fill_n(jointed_, body_count, std::uint8_t(0));
+  for (const Group& g : groups_)
+    for (const std::uint32_t i : g.joints.empty() ? std::span<const std::uint32_t>() : g.soft_joints->bodies())
+      jointed_[i] = 1;
   if (contact_count_ > 0) prepare_contacts(in, c);
   if (!split_) return;
   kept_ = c.scratch->take<Real>(body_count_ * 6);
@@ -420,6 +428,21 @@ void SoftStep::keep_out(const Group& g, const SolverInput& in, StepContext& c, F
   each([&](std::uint32_t i) { begin_from(i, state[i]); });
 }
 
+// A warm start that joints do not balance in the pose now, as that of a limb that was caught, throws what it pushes:
+// with it and the joints in turn a limb gets hundreds of radians per second. So contacts give up, in turn with the
+// joints, what drives their points apart.
+void SoftStep::ease_contacts(Group& g, const Piece& piece, const SolverInput& in, const SolverInput& own,
+                             StepContext& c) {
+  ContactPass p = pass(g, piece, in, c);
+  p.jointed = jointed_;
+  for (int turn = 0; turn < kEaseTurns; ++turn) {
+    g.contacts.run(kernels_->mark_thrown, p, *c.jobs);
+    if (!g.contacts.any_strikes(true)) return;
+    for (int round = 0; round < kEaseRounds; ++round) g.contacts.run(kernels_->ease, p, *c.jobs);
+    keep_out(g, in, c, [&] { g.soft_joints->project(own, c); });
+  }
+}
+
 void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
   if (c.jobs->threads() > 1 && g.joints.empty() && !g.contacts.empty() && !g.contacts.bounces())
     return solve_staged(g, piece, in, c);
@@ -436,7 +459,10 @@ void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, 
   StepContext time = c;
   time.h = piece.h, time.substep = static_cast<int>(piece.k);
   if (jointed) keep_out(g, in, c, [&] { g.soft_joints->solve(own, time); });
-  if (jointed && !g.contacts.empty()) settle_impacts(g, piece, in, own, time);
+  if (jointed && !g.contacts.empty()) {
+    ease_contacts(g, piece, in, own, time);
+    settle_impacts(g, piece, in, own, time);
+  }
   run(kernels_->solve);
   const std::span<const BodySlide> slides = jointed ? g.soft_joints->slides() : std::span<const BodySlide>();
   each_body(g, c, [&](std::uint32_t i) { move(i, piece.h, slides, in); });
