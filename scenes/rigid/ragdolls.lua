@@ -1,5 +1,6 @@
 -- Ragdolls of ten parts fall on each other: balls at neck, shoulders and hips, hinges with limits at elbows and knees.
--- Joints have no friction; damping stands for it, else heads and arms would swing for minutes.
+-- Joints have no friction; damping stands for it, else heads and arms would swing for minutes. Limbs are soft: they
+-- hardly roll.
 local feder = require "feder"
 
 local count = feder.param("count", 20, { min = 1, max = 200, step = 1 })
@@ -45,6 +46,7 @@ return feder.scene {
         local at = part[3]
         body[part[1]] = world:body {
           name = part[1] .. k, shape = part[2], mass = part[4], friction = 0.6, angular_damping = 2, linear_damping = 0.2,
+          rolling_friction = 0.02,
           position = { x + at[1], y + at[2], z + at[3] },
         }
         scene.parts[#scene.parts + 1] = body[part[1]]
