@@ -6,14 +6,14 @@
 #include <cmath>
 #include <cstdio>
 
-#include "feder/error.h"
+#include "constrain/frames.h"
 #include "rigid/impl.h"
 #include "step/watch.h"
 
 namespace feder {
 namespace {
 
-constexpr std::uint64_t kGapSteps = 16;  // between two looks at a joint
+constexpr std::uint64_t kGapSteps = 32;  // between two looks at a joint
 constexpr std::uint8_t kGapLooks = 2;    // in a row
 constexpr Real kOpens = Real(0.1);       // of the radius of the smaller body
 constexpr Real kBends = Real(0.3);       // rad
@@ -23,7 +23,12 @@ constexpr Real kBends = Real(0.3);       // rad
 // How far joint j is open (m) and bent (rad): its stiff equalities.
 JointGap Rigid::Impl::gap_of(std::uint32_t j) const {
   JointGap gap;
-  fill_rows(j, joint_input(j));
+  const JointInput in = joint_input(j);
+  if (joints[j].kind->wide == WideRows::point) {
+    gap.open = length(world_anchors(in).gap);
+    return gap;
+  }
+  fill_rows(j, in);
   for (const Row& row : rows) {
     if (row.velocity_only || row.hertz > 0 || row.lower != -kInfinity || row.upper != kInfinity) continue;
     (row.linear.isZero(0) ? gap.bend : gap.open) += row.value * row.value;
@@ -41,7 +46,6 @@ Real Rigid::Impl::radius_of(const JointRecord& r) const {
 }
 
 void Rigid::Impl::check_open_joints(StepContext& c) {
-  if (gap_warned) return;
   const auto window = static_cast<std::uint64_t>(kScriptWindow / static_cast<double>(c.dt)) + 1;
   std::uint32_t worst = kNone;
   JointGap widest;

@@ -203,7 +203,7 @@ void Rigid::Impl::update_sleep(StepContext& c) {
     measure_pace(c);
   if (any_jump) watch(c);
   if (!warned_far) check_far(c);
-  check_open_joints(c);
+  if (joint_count > 0 && !gap_warned) check_open_joints(c);
   if (!c.sleeping) return;
   if (!any_candidate) return;
   join_islands();
