@@ -109,6 +109,7 @@ Real Rigid::Impl::need_of_joints(const IslandLoad& island, const StepContext& c)
   const bool slack = island.least < kSlack * island.most;
   const Real swings = std::max(island.swings, island.before > 0 && slack ? kSnaps * hangs : Real(0));
   const Real swing = hangs < kSwingHangs ? kInfinity : kLeastSwings;
+  if (island.open) return swings / kSwings;
   const Real least = island.before > 0 ? kCalmSwings : std::max(std::min(kSnaps * hangs, swing), kCalmSwings);
   return swings > least ? swings / kSwings : Real(0);
 }
@@ -135,6 +136,7 @@ const JointNeed* Rigid::Impl::joint_needs(StepContext& c) {
       need[i].per_force += per_force;
       need[i].swings += per_force * force;
       need[i].least = std::min(need[i].least, force), need[i].most = std::max(need[i].most, force);
+      need[i].open = need[i].open || r.open_looks > 0;
       any = any || level[i] > 0 || need[i].swings > kCalmSwings;
     }
   }
@@ -268,6 +270,7 @@ void Rigid::Impl::choose_levels(StepContext& c) {
     island.swings = std::max(island.swings, by_joints[i].swings);
     island.per_force = std::max(island.per_force, by_joints[i].per_force);
     island.least = std::min(island.least, by_joints[i].least), island.most = std::max(island.most, by_joints[i].most);
+    island.open = island.open || by_joints[i].open;
     if (by_joints[i].per_force > 0) island.mass = std::max(island.mass, bodies.mass[i]);
   }
   const std::span<const Pile> piles = list_piles(by_root, c);
@@ -299,8 +302,10 @@ void Rigid::Impl::share_out(IslandLoad* by_root, StepContext& c) {
     IslandLoad& island = by_root[i];
     const int before = island.before;
     island.by_joints = need_of_joints(island, c);
-    const int by_weight = std::max(level_for(island.by_weight), level_for(island.by_joints));
-    const int by_impulse = level_for(island.by_impulse);
+    const int by_joints = level_for(island.by_joints);
+    const bool lasts = before > 0 || island.open || hangs_of(island.per_force, island.mass, c) >= kSwingHangs;
+    const int by_weight = std::max(level_for(island.by_weight), lasts ? by_joints : 0);
+    const int by_impulse = std::max(level_for(island.by_impulse), by_joints);
     if (island.apart || island.contacts > kMostExtra) {
       island.wanted = island.trend = 0;
       continue;

@@ -74,6 +74,7 @@ struct ContactLoad {
 struct JointNeed {
   Real swings = 0, per_force = 0;
   Real least = kInfinity, most = 0;  // forces now, N
+  bool open = false;                 // at the last look (open_joints.cpp)
 };
 
 // What the contacts of an island carry. Needs are squares of the pieces of a substep.
@@ -88,6 +89,7 @@ struct IslandLoad {
   std::int8_t trend = -128;          // as level_trend
   bool hard = false;                 // has contacts that may need more pieces
   bool jointed = false;              // has joints: only these count
+  bool open = false;                 // of JointNeed
   bool apart = false;                // has net points, or joints to kinematic bodies
 };
 
