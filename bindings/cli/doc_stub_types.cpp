@@ -68,6 +68,7 @@ const std::string* stub_type_of_row(const std::string& type) {
       {"list of vectors or buffer", "number[][]|feder.Buffer"},
       {"list of vertex numbers or names", "(integer|string)[]"},
       {"list of tables", "table[]"},
+      {"list of {friction =, ...}", "table[]"},
       {"list of {i, j, ...}", "table[]"},
       {"list of {i, j, k}", "integer[][]"},
       {"list of {i, j, k} or buffer", "integer[][]|feder.Buffer"},

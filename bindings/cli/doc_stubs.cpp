@@ -222,7 +222,7 @@ class Stubs {
         if (other.title == "world:net") net = &other;
     if (net) return stub_class(options_name(*net).substr(6) + ".springs");
     const bool list = p.signature.find("{ {") != std::string::npos;  // of tables
-    return has_options(p) ? options_name(p) : list ? "table[]" : "table";
+    return (has_options(p) ? options_name(p) : "table") + (list ? "[]" : "");
   }
 
   void function(const Page& p) {

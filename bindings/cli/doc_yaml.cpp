@@ -158,8 +158,9 @@ Json argument_type(const ShapeArgument& a) {
     case ShapeArgumentType::direction: return defined("vector");
     case ShapeArgumentType::points: return list_of(defined("vector"), 3);
     case ShapeArgumentType::points_2d: return list_of(list_of(number(), 2, 3), 3);
-    case ShapeArgumentType::triangles: return list_of(list_of(whole(), 3, 3), 1);
+    case ShapeArgumentType::triangles: return list_of(list_of(whole(), 3, 4), 1);
     case ShapeArgumentType::parts: return list_of(defined("part"), 1);
+    case ShapeArgumentType::surfaces: return list_of(defined("surface"));
   }
   return {};
 }
@@ -173,7 +174,9 @@ Json arguments_in_order(const ShapeKind& kind) {
   Json items = Json::array();
   for (const ShapeArgument& a : kind.arguments)
     for (int k = 0; k < (a.type == ShapeArgumentType::direction ? 3 : 1); ++k)
-      items.push_back(a.type == ShapeArgumentType::direction ? number() : argument_type(a));
+      items.push_back(a.type == ShapeArgumentType::direction  ? number()
+                      : a.type == ShapeArgumentType::surfaces ? object({{a.name, argument_type(a)}})
+                                                              : argument_type(a));
   Json list = {{"type", "array"}, {"items", items}, {"additionalItems", false}, {"minItems", least}};
   const bool one = least <= 1 && first.value("type", "") != "array";
   return one ? either({first, list}) : list;
@@ -203,8 +206,11 @@ Json shape_schema() {
   return {{"anyOf", all}};
 }
 
-Json definitions() {
-  const Json part = {{"shape", defined("shape")}, {"position", defined("vector")}, {"rotation", defined("rotation")}};
+Json definitions(const Pages& pages) {
+  const auto rows = [&](const char* maker, const char* prefix) {
+    const ReferencePage* page = find_page(pages, maker);
+    return page ? properties(page->rows, prefix) : Json::object();
+  };
   const Json axis = {{"axis", defined("vector")}, {"angle", number()}};
   const Json euler = {{"euler", list_of(number(), 3, 3)}, {"order", of_type("string")}, {"fixed", of_type("boolean")}};
   return {{"parameter", {{"type", "string"}, {"pattern", "^\\$[A-Za-z0-9_]+$"}}},
@@ -213,7 +219,8 @@ Json definitions() {
           {"vector", list_of(number(), 2, 3)},
           {"color", either({of_type("string"), list_of({{"type", "number"}, {"minimum", 0}, {"maximum", 1}}, 3, 3)})},
           {"rotation", either({number(), list_of(number(), 4, 4), object(axis), object(euler)})},
-          {"part", object(part)},
+          {"part", object(rows("feder.compound", ""))},
+          {"surface", object(rows("feder.mesh", "surfaces."))},
           {"shape", shape_schema()}};
 }
 
@@ -258,7 +265,7 @@ report::Json yaml_schema(const Pages& pages) {
                  {"title", "feder scene"},
                  {"description", "A scene in YAML, of feder " FEDER_VERSION "."}};
   schema.update(object(all));
-  schema["definitions"] = definitions();
+  schema["definitions"] = definitions(pages);
   return schema;
 }
 

@@ -1,7 +1,9 @@
 // world:body{ ... }
 #include <algorithm>
 
+#include "feder/query.h"
 #include "lua/rigid_part.h"
+#include "lua/shape_surfaces.h"
 #include "lua/shapes.h"
 #include "lua/world_options.h"
 
@@ -21,8 +23,28 @@ void read_type(Options& o, const OptionRow& row, BodyReading& b) {
 
 std::string show_type(const BodyReading& b) { return print_value(std::string(body_type_name(b.type))); }
 
+std::string unknown_material(const WorldSettings& settings, const std::string& name) {
+  return "unknown material '" + name + "'; " +
+         (settings.materials.empty() ? "the world has no materials" : "known: " + join(material_names(settings)));
+}
+
 void read_shape(Options& o, const OptionRow&, BodyReading& b) {
   if (!shape_option(o, "shape", b.shape)) o.wrong("shape", "a shape (feder.box(1, 1, 1) ...)");
+  for (const std::string& name : materials_of(*b.shape))
+    if (!b.record->settings.materials.count(name))
+      o.raise("shape", "a surface of it has the " + unknown_material(b.record->settings, name));
+}
+
+// Materials that parts and triangles of the shape name, as the world has them.
+void define_materials(WorldRecord& r, const Shape& shape) {
+  for (const std::string& name : materials_of(shape)) {
+    const Material& m = r.settings.materials.at(name);
+    SurfaceNumbers numbers;
+    if (m.has_friction) numbers.friction_static = m.friction_static, numbers.friction_dynamic = m.friction_dynamic;
+    if (m.has_restitution) numbers.restitution = m.restitution;
+    if (m.has_rolling) numbers.rolling_friction = m.rolling_friction;
+    r.world->need<Collide>().define_material(name, numbers);
+  }
 }
 
 void read_lock(Options& o, const OptionRow& row, BodyReading& b) {
@@ -41,10 +63,7 @@ void read_material(Options& o, const OptionRow&, BodyReading& b) {
   if (!o.text("material", b.material)) return;
   const auto& materials = b.record->settings.materials;
   const auto found = materials.find(b.material);
-  if (found == materials.end())
-    o.raise("material", "unknown material '" + b.material + "'; " +
-                            (materials.empty() ? "the world has no materials"
-                                               : "known: " + join(material_names(b.record->settings))));
+  if (found == materials.end()) o.raise("material", unknown_material(b.record->settings, b.material));
   const Material& m = found->second;
   if (m.has_friction) b.friction_static = m.friction_static, b.friction_dynamic = m.friction_dynamic;
   if (m.has_restitution) b.restitution = m.restitution;
@@ -125,7 +144,9 @@ BodyType body_type_from_name(lua_State* L, int index) {
 
 ObjectId world_body(WorldRecord& r, lua_State* L) {
   const BodyReading body = read_description(L, r, kBody);
-  const ObjectId id = system_of<Rigid>(r).add_body(body);
+  Rigid& rigid = system_of<Rigid>(r);
+  define_materials(r, *body.shape);
+  const ObjectId id = rigid.add_body(body);
   if (body.painted) r.appearance.colors[id] = body.color;
   return id;
 }

@@ -6,6 +6,7 @@
 
 #include "lua/buffer.h"
 #include "lua/method.h"
+#include "lua/shape_surfaces.h"
 
 namespace feder::lua {
 namespace {
@@ -28,45 +29,6 @@ std::string shape_tostring(lua_State* L) {
   return shape ? std::string("shape ") + (*shape)->kind() : "?";
 }
 
-// Triangles as {i, j, k} tables counting from 1.
-std::vector<std::uint32_t> check_triangles(lua_State* L, int index, std::size_t vertex_count) {
-  const std::string name = std::string(function_name(L)) + ".triangles";
-  if (lua_type(L, index) != LUA_TTABLE) fail(L, name + ": expected a list of {i, j, k}, got " + describe(L, index));
-  const auto count = lua_rawlen(L, index);
-  if (count > kMaxPoints)
-    fail(L, name + ": expected at most " + std::to_string(kMaxPoints) + " triangles, got " + std::to_string(count));
-  std::vector<std::uint32_t> out;
-  each_entry(L, index, [&](lua_Integer t) {
-    check_indices(L, -1, name + "[" + std::to_string(t) + "]", "{i, j, k}", 3, 3, vertex_count, out);
-  });
-  return out;
-}
-
-void read_part(Options& o, const OptionRow&, CompoundPart& p) {
-  if (!shape_option(o, "shape", p.shape)) o.wrong("shape", "a shape (feder.box(1, 1, 1) ...)");
-  o.vector("position", p.pose.position);
-  o.rotation("rotation", p.pose.rotation);
-}
-
-constexpr Option<CompoundPart> kPart[] = {
-    special("shape", "shape", read_part),
-    later<CompoundPart>("position", "vector", "m"),
-    later<CompoundPart>("rotation", "rotation"),
-};
-
-std::vector<CompoundPart> check_parts(lua_State* L, int index) {
-  const std::string name = function_name(L);
-  if (lua_type(L, index) != LUA_TTABLE)
-    fail_here(L, "expected a list of { shape =, position =, rotation = }, got " + describe(L, index));
-  const auto count = lua_rawlen(L, index);
-  if (count == 0 || count > 4096) fail_here(L, "expected 1 to 4096 parts, got " + std::to_string(count));
-  std::vector<CompoundPart> parts;
-  each_entry(L, index, [&](lua_Integer i) {
-    Options(L, -1, name + "[" + std::to_string(i) + "]", true).read(kPart, parts.emplace_back());
-  });
-  return parts;
-}
-
 // feder.<kind>(...), by the arguments of the kind's row.
 int feder_shape(lua_State* L) {
   const std::string name = function_name(L);
@@ -86,7 +48,9 @@ int feder_shape(lua_State* L) {
   std::vector<Vec3> points;
   std::vector<std::uint32_t> triangles;
   std::vector<CompoundPart> parts;
-  int at = 1;
+  std::vector<ShapeSurface> surfaces;
+  std::vector<SurfaceNumber> triangle_surfaces;
+  int at = 1, triangles_at = 0;
   for (const ShapeArgument& a : kind.arguments) {
     const int index = at++;
     const bool absent = !std::isnan(a.fallback) && lua_isnoneornil(L, index);
@@ -102,11 +66,15 @@ int feder_shape(lua_State* L) {
       case ShapeArgumentType::points_2d:
         points = check_points(L, index, name + "." + a.name, a.type == ShapeArgumentType::points_2d);
         break;
-      case ShapeArgumentType::triangles: triangles = check_triangles(L, index, points.size()); break;
-      case ShapeArgumentType::parts: parts = check_parts(L, index); break;
+      case ShapeArgumentType::triangles: triangles_at = index; break;
+      case ShapeArgumentType::parts: parts = check_parts(L, index, surfaces); break;
+      case ShapeArgumentType::surfaces: surfaces = check_mesh_options(L, index); break;
     }
   }
+  if (triangles_at > 0)  // which name points and surfaces
+    triangles = check_triangles(L, triangles_at, points.size(), surfaces.size(), triangle_surfaces);
   in.points = points, in.triangles = triangles, in.parts = parts;
+  in.surfaces = surfaces, in.triangle_surfaces = triangle_surfaces;
   push_userdata(L, Class::shape, kind.make(in));
   return 1;
 }
@@ -132,7 +100,7 @@ std::span<const Method> shape_functions() {
     std::vector<Method> rows;
     for (const ShapeKind& kind : shape_kinds()) {
       texts.push_back(std::string("feder.") + kind.name + kind.usage + " -> shape");
-      rows.push_back({kind.name, guard<feder_shape>, texts.back().c_str(), kind.summary});
+      rows.push_back({kind.name, guard<feder_shape>, texts.back().c_str(), kind.summary, shape_rows(kind)});
     }
     std::string absent = FEDER_WITHOUT ",geom.heightfield,geom.sdf,";  // the last two: to come
     for (std::size_t from = 0, end; (end = absent.find(',', from)) != std::string::npos; from = end + 1) {

@@ -182,6 +182,15 @@ int spread(lua_State* L, int n) {
   return n;
 }
 
+void push_named_argument(lua_State* L, int table, const ShapeArgument& a) {
+  lua_getfield(L, table, a.name);
+  if (a.type != ShapeArgumentType::surfaces || lua_isnil(L, -1)) return;
+  lua_newtable(L);  // an option in Lua
+  copy_locations(L, table, -1);
+  lua_insert(L, -2);
+  lua_setfield(L, -2, a.name);
+}
+
 // Pushes what { type =, radius = ... } says of the arguments, by their names; size = {w, h, d} for three sizes.
 int push_named_arguments(lua_State* L, int table, const ShapeKind& kind) {
   int count = 0;
@@ -190,7 +199,7 @@ int push_named_arguments(lua_State* L, int table, const ShapeKind& kind) {
   else
     lua_pop(L, 1);
   for (std::size_t k = static_cast<std::size_t>(count); k < kind.arguments.size(); ++k, ++count)
-    lua_getfield(L, table, kind.arguments[k].name);
+    push_named_argument(L, table, kind.arguments[k]);
   for (; count > 0 && lua_isnil(L, -1); --count) lua_pop(L, 1);
   return count;
 }

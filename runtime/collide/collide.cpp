@@ -5,6 +5,7 @@
 #include "broad/broad_phase.h"
 #include "collide/impl.h"
 #include "feder/query.h"
+#include "geom/surfaces.h"
 #include "narrow/narrow_phase.h"
 #include "state/colliders.h"
 #include "state/contacts.h"
@@ -104,6 +105,26 @@ std::uint16_t Collide::material(std::string_view name) {
   return static_cast<std::uint16_t>(list.size());
 }
 
+void Collide::define_material(std::string_view name, const SurfaceNumbers& numbers) {
+  const Command command(impl_->commands, "collide.define_material", name, numbers);
+  const ShapeSurface checked{.numbers = numbers};
+  check_surfaces("define_material", {&checked, 1});
+  const std::size_t number = material(name);
+  Array<SurfaceNumbers>& list = impl_->material_numbers;
+  if (list.size() < number) list.resize(number);
+  SurfaceNumbers& stored = list[number - 1];
+  const auto all = [](const SurfaceNumbers& s) {
+    return std::tie(s.friction_static, s.friction_dynamic, s.restitution, s.rolling_friction);
+  };
+  impl_->recheck_surfaces = impl_->recheck_surfaces || all(stored) != all(numbers);
+  stored = numbers;
+}
+
+SurfaceNumbers Collide::material_numbers(std::uint16_t material) const {
+  const Array<SurfaceNumbers>& list = impl_->material_numbers;
+  return material > 0 && material <= list.size() ? list[material - 1] : SurfaceNumbers{};
+}
+
 void Collide::set_material_pair(const MaterialPair& pair) {
   const Command command(impl_->commands, "collide.set_material_pair", pair);
   MaterialPair p = pair;
@@ -126,6 +147,7 @@ void Collide::hash(Hash& h) const {
     const Contact& contact = impl_->contacts->slots[e.slot];
     h.add(e.a), h.add(e.b), h.add(e.sub), h.add(static_cast<std::uint16_t>(e.bits & (kTouching | kReported | kNear)));
     if (contact.point_count == 0) continue;
+    if (contact.surface) h.add(contact.surface);
     h.add(contact.normal);
     for (int k = 0; k < contact.point_count; ++k) {
       const ContactPoint& p = contact.points[k];

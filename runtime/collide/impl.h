@@ -119,6 +119,7 @@ struct Collide::Impl {
   // pairs.cpp
   void list_examined();
   void compare_colliders();
+  bool is_conveyor(std::uint32_t i) const;
   void compare_collider(std::uint32_t i);
   void compare_motion(std::uint32_t i);
   void merge_pairs();
@@ -157,6 +158,8 @@ struct Collide::Impl {
   bool recycle(std::span<const ContactEntry> group);
   std::uint32_t test_fresh(std::span<const ContactEntry> group, Real margin);
   void write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit);
+  struct Side;
+  Side side_of(const Contact& contact, std::uint32_t i) const;
   void mix(Contact& contact) const;
   void check_contact(ContactEntry& e, Real margin, Real dt);
   void stay_apart(ContactEntry& e);
@@ -194,7 +197,7 @@ struct Collide::Impl {
   template <class C, class F>
   static void each_saved(C& c, F&& f) {
     for_each_of(f, c.contacts->slots, c.contacts->order, c.contacts->free_list, c.contacts->active, c.seen, c.entries,
-                c.memory, c.exclusions, c.recheck_filters, c.recheck_surfaces, c.material_pairs);
+                c.memory, c.exclusions, c.recheck_filters, c.recheck_surfaces, c.material_pairs, c.material_numbers);
   }
 
   Arena& arena;
@@ -222,6 +225,7 @@ struct Collide::Impl {
   bool recheck_filters = false;                               // exclusions changed
   bool recheck_surfaces = false;                              // material pairs changed
   std::vector<std::string> materials;                         // number - 1
+  Array<SurfaceNumbers> material_numbers{&arena};             // number - 1; may be shorter
   std::vector<MaterialPair> material_pairs;                   // sorted, a <= b
 };
 

@@ -58,6 +58,13 @@ void Collide::Impl::compare_colliders() {
   recheck_surfaces = false;
 }
 
+// Does a surface of it move?
+bool Collide::Impl::is_conveyor(std::uint32_t i) const {
+  const auto moves = [](const ShapeSurface& s) { return s.has_velocity && s.velocity != Vec3::Zero(); };
+  const std::span<const ShapeSurface> own = colliders->shape[i]->surfaces();
+  return colliders->surface_velocity[i] != Vec3::Zero() || std::any_of(own.begin(), own.end(), moves);
+}
+
 void Collide::Impl::compare_collider(std::uint32_t i) {
   const Colliders& c = *colliders;
   SeenCollider& s = seen[i];
@@ -72,7 +79,7 @@ void Collide::Impl::compare_collider(std::uint32_t i) {
   auto last_surface = std::tie(s.friction_static, s.friction_dynamic, s.restitution, s.rolling_friction, s.material);
   // what has changed
   if (last_filter != filter) s.bits |= kChanged;
-  const std::uint32_t conveyor = c.surface_velocity[i] != Vec3::Zero() ? std::uint32_t(kConveyor) : 0u;
+  const std::uint32_t conveyor = is_conveyor(i) ? std::uint32_t(kConveyor) : 0u;
   if (conveyor != (s.bits & kConveyor)) s.bits = (s.bits ^ kConveyor) | kSurfaceChanged;
   if (recheck_surfaces || last_surface != surface) s.bits |= kSurfaceChanged;
   // remembered for the next step
@@ -158,7 +165,8 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
     });
     Contact& contact = contacts->slots[slot];
     FEDER_ASSERT(contact.collider_a == kNone && contact.point_count == 0);  // free until now
-    contact.collider_a = a, contact.collider_b = b, contact.sub = sub, contact.sensor = sensor;
+    contact.collider_a = a, contact.collider_b = b, contact.sensor = sensor;
+    contact.sub = static_cast<std::uint16_t>(sub);
     memory[slot] = fresh;
     const bool scenery = (c.motion[a] == ColliderMotion::dynamic) != (c.motion[b] == ColliderMotion::dynamic);
     const int bits = kNew | (scenery && !sensor ? kAgainstScenery : 0) | (many ? kMany : 0) |

@@ -13,8 +13,7 @@ ContactEntry Collide::Impl::resting_entry(std::uint32_t slot) const {
   const Contact& contact = contacts->slots[slot];
   const std::uint16_t bits = memory[slot].resting;
   FEDER_ASSERT(bits & kResting);
-  return {contact.collider_a, contact.collider_b, slot, static_cast<std::uint16_t>(contact.sub),
-          static_cast<std::uint16_t>(bits & ~kResting)};
+  return {contact.collider_a, contact.collider_b, slot, contact.sub, static_cast<std::uint16_t>(bits & ~kResting)};
 }
 
 void Collide::Impl::rest(const ContactEntry& e) {

@@ -221,6 +221,7 @@ void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std
   // a new manifold
   contact.fresh = 1;
   contact.point_count = static_cast<std::uint8_t>(m.count);
+  contact.surface = m.surface;
   contact.normal = mem.normal = m.normal;
   contact.tangent_impulse[0] = contact.tangent_impulse[1] = contact.twist_impulse = 0;
   contact.rolling_impulse = Vec3::Zero();
@@ -249,17 +250,48 @@ void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std
   contact.rolling_impulse = ancestor->rolling_impulse;
 }
 
+// The surface of one collider at a contact.
+struct Collide::Impl::Side {
+  SurfaceNumbers numbers;
+  std::uint16_t material = 0;
+  Vec3 velocity = Vec3::Zero();  // in the owner's frame, m/s
+};
+
+// On a mesh: what the triangles state, then their material, then the collider.
+Collide::Impl::Side Collide::Impl::side_of(const Contact& contact, std::uint32_t i) const {
+  const Colliders& c = *colliders;
+  Side side{{c.friction_static[i], c.friction_dynamic[i], c.restitution[i], c.rolling_friction[i]},
+            c.material[i],
+            c.surface_velocity[i]};
+  if (contact.surface == 0) return side;
+  const std::span<const ShapeSurface> list = c.shape[i]->surfaces();
+  if (list.empty()) return side;
+  FEDER_ASSERT(contact.surface <= list.size());
+  const ShapeSurface& own = list[contact.surface - 1];
+  if (!own.material.empty()) {
+    const auto it = std::find(materials.begin(), materials.end(), own.material);
+    const auto at = static_cast<std::size_t>(it - materials.begin());
+    if (it != materials.end()) side.material = static_cast<std::uint16_t>(at + 1);
+    if (at < material_numbers.size()) override_numbers(side.numbers, material_numbers[at]);
+  }
+  override_numbers(side.numbers, own.numbers);
+  if (own.has_velocity) side.velocity = own.velocity;
+  return side;
+}
+
 // Friction: geometric mean, so that ice makes any pair slippery. Restitution and rolling friction: the larger, so
 // that a ball bounces (a soft one rolls badly) on any floor. A material pair overrides what it states.
 void Collide::Impl::mix(Contact& contact) const {
   const Colliders& c = *colliders;
   const std::uint32_t a = contact.collider_a, b = contact.collider_b;
-  FEDER_ASSERT(c.friction_static[a] >= 0 && c.friction_dynamic[a] >= 0 && c.restitution[a] >= 0);
-  contact.friction_static = std::sqrt(c.friction_static[a] * c.friction_static[b]);
-  contact.friction_dynamic = std::sqrt(c.friction_dynamic[a] * c.friction_dynamic[b]);
-  contact.restitution = std::max(c.restitution[a], c.restitution[b]);
-  contact.rolling_friction = std::max(c.rolling_friction[a], c.rolling_friction[b]);
-  const std::uint16_t low = std::min(c.material[a], c.material[b]), high = std::max(c.material[a], c.material[b]);
+  const Side on_a = side_of(contact, a), on_b = side_of(contact, b);
+  const SurfaceNumbers &p = on_a.numbers, &q = on_b.numbers;
+  FEDER_ASSERT(p.friction_static >= 0 && p.friction_dynamic >= 0 && p.restitution >= 0);
+  contact.friction_static = std::sqrt(p.friction_static * q.friction_static);
+  contact.friction_dynamic = std::sqrt(p.friction_dynamic * q.friction_dynamic);
+  contact.restitution = std::max(p.restitution, q.restitution);
+  contact.rolling_friction = std::max(p.rolling_friction, q.rolling_friction);
+  const std::uint16_t low = std::min(on_a.material, on_b.material), high = std::max(on_a.material, on_b.material);
   for (const MaterialPair& pair : material_pairs) {
     if (pair.a != low || pair.b != high) continue;
     if (pair.friction_static >= 0) contact.friction_static = pair.friction_static;
@@ -269,10 +301,10 @@ void Collide::Impl::mix(Contact& contact) const {
   contact.surface_velocity = Vec3::Zero();
   if (!((seen[a].bits | seen[b].bits) & kConveyor)) return;
   // a belt on a carries b along, one on b pushes it back
-  const auto belt = [&](std::uint32_t i) {
-    return rotate(c.pose[i].rotation * conjugate(c.local[i].rotation), c.surface_velocity[i]);
+  const auto belt = [&](std::uint32_t i, const Vec3& velocity) {
+    return rotate(c.pose[i].rotation * conjugate(c.local[i].rotation), velocity);
   };
-  const Vec3 wanted = belt(a) - belt(b);
+  const Vec3 wanted = belt(a, on_a.velocity) - belt(b, on_b.velocity);
   contact.surface_velocity = wanted - contact.normal * dot(wanted, contact.normal);
 }
 

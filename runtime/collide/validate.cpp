@@ -35,7 +35,7 @@ void Collide::Impl::check_unexamined() {
                       std::tie(c.motion[i], c.sensor[i], c.group[i], c.mask[i], c.object[i]) &&
                   std::tie(s.friction_static, s.friction_dynamic, s.restitution, s.rolling_friction) ==
                       std::tie(c.friction_static[i], c.friction_dynamic[i], c.restitution[i], c.rolling_friction[i]) &&
-                  s.material == c.material[i] && ((s.bits & kConveyor) != 0) == !c.surface_velocity[i].isZero(0)));
+                  s.material == c.material[i] && ((s.bits & kConveyor) != 0) == is_conveyor(i)));
     FEDER_ASSERT(in(examined, i) || (!c.awake[i] && !c.sensor[i] && motion[i] == BoxMotion::still &&
                                      !(s.bits & ~kConveyor) && last.lo == c.box[i].lo && last.hi == c.box[i].hi));
   }
@@ -52,6 +52,7 @@ void Collide::Impl::check_entry(const ContactEntry& e) const {
   FEDER_ASSERT((contact.sensor != 0) == ((e.bits & kSensorPair) != 0));
   FEDER_ASSERT((contact.touching != 0) == ((e.bits & kTouching) != 0));
   FEDER_ASSERT(!(e.bits & kReported) || contact.touching);
+  FEDER_ASSERT(contact.surface <= c.shape[e.a]->surfaces().size() + c.shape[e.b]->surfaces().size());
   FEDER_ASSERT(contact.point_count <= (contact.touching && !contact.sensor ? kMaxContactPoints : 0));
 }
 

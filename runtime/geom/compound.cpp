@@ -2,18 +2,21 @@
 // Weak spot: overlapping parts have their common mass twice.
 #include "feder/error.h"
 #include "feder/shape.h"
+#include "geom/surfaces.h"
 
 namespace feder {
 namespace {
 
 class Compound final : public Shape {
  public:
-  Compound(std::vector<CompoundPart> parts, std::vector<CompoundPart> given)
-      : Shape("compound", false), parts_(std::move(parts)), given_(std::move(given)) {
+  Compound(std::vector<CompoundPart> parts, std::vector<CompoundPart> given, std::span<const ShapeSurface> surfaces)
+      : Shape("compound", false), parts_(std::move(parts)), given_(std::move(given)),
+        surfaces_(surfaces.begin(), surfaces.end()) {
     planar_ = true;
     for (const CompoundPart& p : parts_) planar_ = planar_ && p.shape->planar();
   }
   std::span<const CompoundPart> parts() const override { return parts_; }
+  std::span<const ShapeSurface> surfaces() const override { return surfaces_; }
 
   Aabb bounds(const Pose& pose) const override {
     Aabb box;
@@ -53,7 +56,7 @@ class Compound final : public Shape {
     }
     return nearest;
   }
-  ShapeArguments arguments() const override { return {.parts = given_}; }
+  ShapeArguments arguments() const override { return {.parts = given_, .surfaces = surfaces_}; }
   // Of the parts, which must lie in the plane themselves: their poses may only turn about z.
   ShapePtr section() const override {
     std::vector<CompoundPart> flat;
@@ -62,14 +65,15 @@ class Compound final : public Shape {
         throw SceneError("compound: for a 2D section its parts may only be rotated about z");
       Pose pose = p.pose;
       pose.position[2] = 0;
-      flat.push_back({p.shape->section(), pose});
+      flat.push_back({p.shape->section(), pose, p.surface});
     }
-    return make_compound(flat);
+    return make_compound(flat, surfaces_);
   }
 
  private:
   std::vector<CompoundPart> parts_;
   std::vector<CompoundPart> given_;  // before their rotations were scaled
+  std::vector<ShapeSurface> surfaces_;
 };
 
 }  // namespace
@@ -79,28 +83,32 @@ namespace {
 ShapePtr make(const ShapeInput& in) {
   std::vector<CompoundPart> parts(in.parts.begin(), in.parts.end());
   if (parts.empty()) throw SceneError("compound: expected at least one part");
+  check_surfaces("compound", in.surfaces);
   for (CompoundPart& p : parts) {
     if (!p.shape) throw SceneError("compound: a part has no shape");
     if (!p.shape->parts().empty()) throw SceneError("compound: a part is a compound itself");
     if (!is_finite(p.pose.position)) throw SceneError("compound: a part's position is not finite");
+    if (p.surface > in.surfaces.size()) fail_surface_number("compound: a part", p.surface, in.surfaces);
     p.pose.rotation = normalized(p.pose.rotation);
   }
-  return std::make_shared<Compound>(std::move(parts), std::vector<CompoundPart>(in.parts.begin(), in.parts.end()));
+  return std::make_shared<Compound>(std::move(parts), std::vector<CompoundPart>(in.parts.begin(), in.parts.end()),
+                                    in.surfaces);
 }
 
 }  // namespace
 
 ShapeKind geom_compound() {
   return {"compound",
-          "{ {shape=, position=, rotation=}, ... }",
-          "several shapes in one",
+          "{ {shape=, position=, rotation=, friction=, ...}, ... }",
+          "several shapes in one; what a part states of its surface takes the place of the body's",
           {{"parts", ShapeArgumentType::parts}},
           make,
           [] {
             const Pose left{vec3(-1, 0, 0), {}};
             const Pose right{vec3(1, Real(0.5), 0), from_axis_angle(vec3(0, 0, 1), Real(0.5))};
-            return std::vector<ShapePtr>{
-                make_compound(std::vector<CompoundPart>{{make_box(1, 1, 1), left}, {make_sphere(Real(0.5)), right}})};
+            const ShapeSurface rubber[1] = {{.numbers = {.restitution = 1, .rolling_friction = Real(0.01)}}};
+            const std::vector<CompoundPart> parts = {{make_box(1, 1, 1), left}, {make_sphere(Real(0.5)), right, 1}};
+            return std::vector<ShapePtr>{make_compound(parts, rubber)};
           }};
 }
 

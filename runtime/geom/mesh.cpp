@@ -9,6 +9,7 @@
 #include "feder/error.h"
 #include "feder/shape.h"
 #include "geom/closest.h"
+#include "geom/surfaces.h"
 
 namespace feder {
 namespace {
@@ -18,6 +19,12 @@ constexpr Real kNoArea = Real(1e-10);   // of the longest side squared: such tri
 
 struct Corners {
   std::uint32_t v[3];
+};
+
+// Surfaces of triangles: both lists are empty where none is stated.
+struct TriangleSurfaces {
+  std::vector<ShapeSurface> list;
+  std::vector<SurfaceNumber> of;  // by triangle
 };
 
 bool ray_meets(const Aabb& box, const Vec3& o, const Vec3& d, Real limit) {
@@ -37,7 +44,7 @@ bool ray_meets(const Aabb& box, const Vec3& o, const Vec3& d, Real limit) {
 
 class Mesh final : public Shape {
  public:
-  Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles);
+  Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleSurfaces surfaces);
 
   Aabb bounds(const Pose& pose) const override {
     Aabb box;
@@ -56,10 +63,12 @@ class Mesh final : public Shape {
   void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const override;
   Triangle triangle(std::uint32_t i) const override {
     const Corners& c = corners_[i];
-    Triangle t{vertices_[c.v[0]], vertices_[c.v[1]], vertices_[c.v[2]], flat_[i], {}};
+    const SurfaceNumber surface = surfaces_.of.empty() ? SurfaceNumber(0) : surfaces_.of[i];
+    Triangle t{vertices_[c.v[0]], vertices_[c.v[1]], vertices_[c.v[2]], flat_[i], surface, {}};
     for (int k = 0; k < 3; ++k) t.edge_cosine[k] = cosine_[3 * i + static_cast<std::uint32_t>(k)];
     return t;
   }
+  std::span<const ShapeSurface> surfaces() const override { return surfaces_.list; }
 
  private:
   void find_neighbors();
@@ -78,12 +87,15 @@ class Mesh final : public Shape {
   std::vector<std::uint8_t> flat_;    // Triangle::flat_edges
   std::vector<Real> cosine_;          // Triangle::edge_cosine
   std::vector<Aabb> boxes_;           // of the triangles
+  TriangleSurfaces surfaces_;
   Arena arena_{"mesh"};
   BoxTree tree_{arena_};
 };
 
-Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles)
-    : Shape("mesh", false), vertices_(std::move(vertices)), corners_(std::move(triangles)) {
+Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleSurfaces surfaces)
+    : Shape("mesh", false), vertices_(std::move(vertices)), corners_(std::move(triangles)),
+      surfaces_(std::move(surfaces)) {
+  const std::vector<SurfaceNumber> given_surfaces = surfaces_.of;
   const std::vector<Corners> given = corners_;
   std::vector<Aabb> boxes;
   boxes.reserve(given.size()), boxes_.reserve(given.size());
@@ -93,6 +105,7 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles)
   for (const std::uint32_t i : tree_.order()) {
     corners_[at++] = given[i];
     given_.push_back(i);
+    if (!given_surfaces.empty()) surfaces_.of[at - 1] = given_surfaces[i];
     boxes_.push_back(boxes[i]);
   }
   tree_.number_in_order(boxes_);
@@ -133,6 +146,9 @@ ShapeArguments Mesh::arguments() const {
   ShapeArguments out{.points = vertices_, .triangles = std::vector<std::uint32_t>(3 * corners_.size())};
   for (std::size_t k = 0; k < corners_.size(); ++k)
     std::copy_n(corners_[k].v, 3, out.triangles.begin() + 3 * static_cast<std::ptrdiff_t>(given_[k]));
+  out.surfaces = surfaces_.list;
+  out.triangle_surfaces.resize(surfaces_.of.size());
+  for (std::size_t k = 0; k < surfaces_.of.size(); ++k) out.triangle_surfaces[given_[k]] = surfaces_.of[k];
   return out;
 }
 
@@ -210,6 +226,13 @@ ShapePtr make(const ShapeInput& in) {
     if (fresh) points.push_back(vertices[i]);
     number.push_back(it->second);
   }
+  check_surfaces("mesh", in.surfaces);
+  if (!in.triangle_surfaces.empty() && 3 * in.triangle_surfaces.size() != triangles.size())
+    throw SceneError("mesh: expected a surface per triangle, got " + std::to_string(in.triangle_surfaces.size()) +
+                     " of " + std::to_string(triangles.size() / 3));
+  TriangleSurfaces surfaces;
+  const bool differs = std::any_of(in.triangle_surfaces.begin(), in.triangle_surfaces.end(), [](auto s) { return s; });
+  if (differs) surfaces.list.assign(in.surfaces.begin(), in.surfaces.end());
   std::vector<Corners> kept;
   for (std::size_t i = 0; i < triangles.size(); i += 3) {
     Corners c;
@@ -221,26 +244,37 @@ ShapePtr make(const ShapeInput& in) {
     }
     const Vec3 ab = points[c.v[1]] - points[c.v[0]], ac = points[c.v[2]] - points[c.v[0]], bc = ac - ab;
     const Real longest = std::max({dot(ab, ab), dot(ac, ac), dot(bc, bc)});
-    if (length(cross(ab, ac)) > kNoArea * longest) kept.push_back(c);
+    if (differs && in.triangle_surfaces[i / 3] > in.surfaces.size())
+      fail_surface_number("mesh: triangle " + std::to_string(i / 3 + 1), in.triangle_surfaces[i / 3], in.surfaces);
+    if (!(length(cross(ab, ac)) > kNoArea * longest)) continue;
+    kept.push_back(c);
+    if (differs) surfaces.of.push_back(in.triangle_surfaces[i / 3]);
   }
   if (kept.empty()) throw SceneError("mesh: no triangle has an area");
-  return std::make_shared<Mesh>(std::move(points), std::move(kept));
+  return std::make_shared<Mesh>(std::move(points), std::move(kept), std::move(surfaces));
 }
 
 }  // namespace
 
 ShapeKind geom_mesh() {
-  return {"mesh",
-          "(vertices, triangles)",
-          "static triangles {i, j, k}, counting from 1",
-          {{"vertices", ShapeArgumentType::points}, {"triangles", ShapeArgumentType::triangles}},
-          make,
-          [] {
-            const Vec3 v[5] = {{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}, {0, 1, 0}};
-            const std::uint32_t pyramid[12] = {0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0};
-            const std::uint32_t floor[6] = {0, 2, 1, 0, 3, 2};
-            return std::vector<ShapePtr>{make_mesh(v, pyramid), make_mesh({v, 4}, floor)};
-          }};
+  return {
+      "mesh",
+      "(vertices, triangles, [{ surfaces = }])",
+      "static triangles {i, j, k}, counting from 1; {i, j, k, s} has the surface surfaces[s] in place of the body's",
+      {{"vertices", ShapeArgumentType::points},
+       {"triangles", ShapeArgumentType::triangles},
+       {"surfaces", ShapeArgumentType::surfaces, 0}},
+      make,
+      [] {
+        const Vec3 v[5] = {{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}, {0, 1, 0}};
+        const std::uint32_t pyramid[12] = {0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0};
+        const std::uint32_t floor[6] = {0, 2, 1, 0, 3, 2};
+        const ShapeSurface surfaces[2] = {{.numbers = {.friction_static = 1, .friction_dynamic = 1}},
+                                          {.has_velocity = true, .velocity = vec3(1, 0, 0), .material = "ice"}};
+        const SurfaceNumber of[4] = {2, 0, 1, 2};
+        return std::vector<ShapePtr>{make_mesh(v, pyramid), make_mesh({v, 4}, floor),
+                                     make_mesh(v, pyramid, surfaces, of)};
+      }};
 }
 
 }  // namespace feder

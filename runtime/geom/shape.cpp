@@ -26,6 +26,7 @@ void Shape::triangles_in(const Aabb&, void (*)(void*, std::uint32_t), void*) con
 Triangle Shape::triangle(std::uint32_t) const { return {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}; }
 
 std::span<const CompoundPart> Shape::parts() const { return {}; }
+std::span<const ShapeSurface> Shape::surfaces() const { return {}; }
 
 ShapeArguments Shape::arguments() const { throw SceneError(std::string("shape: this ") + kind_ + " has no arguments"); }
 

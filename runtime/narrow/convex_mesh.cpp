@@ -4,7 +4,9 @@
 // away), and only as far round as the neighbour's normal. Mostly that needs no search: the deepest point p of the core
 // along the normal, delta below the triangle and at least delta inside each of its sharp edges, is the answer, since
 // along a direction at an angle x to the normal the overlap is at least delta cos x + delta sin x >= delta. Else GJK
-// and EPA decide. Points with nearly one normal form one manifold; of these the deepest kMaxManifolds are returned.
+// and EPA decide. Points with nearly one normal, on triangles with one surface, form one manifold; of these the
+// deepest kMaxManifolds are returned. Where there are more, those that differ by their surface alone become one first,
+// so that nothing rests on less than it would on a mesh without surfaces.
 // Triangles come in ascending order: deterministic.
 // Keeps nothing between calls. Weak spot: a shape whose middle has passed the surface is pushed out on the far side.
 #include "narrow/narrow_phase.h"
@@ -27,6 +29,7 @@ struct Cluster {
   Vec3 normal;  // from the shape to the mesh, in the mesh's frame
   Real deepest = kInfinity;
   int count = 0;
+  SurfaceNumber surface = 0;
   union {  // not filled before use
     ManifoldPoint points[kClusterPoints];
   };
@@ -59,10 +62,25 @@ void reduce_cluster(Cluster& c) {
   for (int i = 0; i < m.count; ++i) c.points[i] = m.points[i];
 }
 
-// The cluster for `normal`, or a new one; when full, the shallowest is given up if this is deeper.
-Cluster* cluster_for(MeshContact& mc, const Vec3& normal, Real deepest) {
-  for (int i = 0; i < mc.count; ++i)
-    if (dot(mc.clusters[i].normal, normal) > kClusterCosine) return &mc.clusters[i];
+bool one_normal(const Cluster& c, const Vec3& normal) { return dot(c.normal, normal) > kClusterCosine; }
+
+void add_point(Cluster& c, const ManifoldPoint& p) {
+  if (c.count == kClusterPoints) reduce_cluster(c);
+  c.points[c.count++] = p;
+  c.deepest = std::min(c.deepest, p.separation);
+}
+
+// The cluster for `normal` and `surface`, or a new one; when full, one of another surface, or the shallowest is given
+// up if this is deeper.
+Cluster* cluster_for(MeshContact& mc, const Vec3& normal, SurfaceNumber surface, Real deepest) {
+  Cluster* other = nullptr;
+  for (int i = 0; i < mc.count; ++i) {
+    Cluster& c = mc.clusters[i];
+    if (!one_normal(c, normal)) continue;
+    if (c.surface == surface) return &c;
+    if (!other) other = &c;
+  }
+  if (other && mc.count == kClusters) return other;
   Cluster* free = nullptr;
   if (mc.count < kClusters) {
     free = &mc.clusters[mc.count++];
@@ -73,9 +91,25 @@ Cluster* cluster_for(MeshContact& mc, const Vec3& normal, Real deepest) {
     if (free->deepest <= deepest) return nullptr;
   }
   free->normal = normal;
+  free->surface = surface;
   free->deepest = kInfinity;
   free->count = 0;
   return free;
+}
+
+// Until there is room for all or no two have one normal: the last of two becomes part of the first and has no points
+// any more. Not the shallowest: which that is changes from step to step on flat ground. Returns how many are left.
+int join_surfaces(MeshContact& mc) {
+  int left = mc.count;
+  for (int i = mc.count - 1; i > 0 && left > kMaxManifolds; --i) {
+    Cluster& c = mc.clusters[i];
+    int first = 0;
+    while (first < i && !one_normal(mc.clusters[first], c.normal)) ++first;
+    if (first == i) continue;
+    for (int k = 0; k < c.count; ++k) add_point(mc.clusters[first], c.points[k]);
+    c.count = 0, --left;
+  }
+  return left;
 }
 
 struct Weights {
@@ -167,9 +201,9 @@ Gap face_gap(const Facing& f) {
   return gap;
 }
 
-// Those over the triangle `over` (null: all), if one is at most at the separation `limit`; else none, and false.
-bool add_points(MeshContact& mc, const Patch& patch, const Vec3& normal, std::uint32_t index, const Triangle* over,
-                Real limit) {
+// Those over the triangle t (`over`; else all), if one is at most at the separation `limit`; else none, and false.
+bool add_points(MeshContact& mc, const Patch& patch, const Vec3& normal, std::uint32_t index, const Triangle& t,
+                bool over, Real limit) {
   // points from the shape's frame to the mesh's
   ManifoldPoint kept[kMaxPatchPoints];
   int count = 0;
@@ -178,7 +212,7 @@ bool add_points(MeshContact& mc, const Patch& patch, const Vec3& normal, std::ui
     ManifoldPoint p = patch.points[i];
     p.position = to_world(mc.local, p.position);
     if (over) {
-      const Weights w = barycentric(*over, wide(p.position));
+      const Weights w = barycentric(t, wide(p.position));
       if (std::min({w.a, w.b, w.c}) < -1e-3) continue;  // over a neighbour, which takes it
     }
     p.feature = (p.feature ^ index * 2654435761u) * 16777619u;
@@ -186,13 +220,9 @@ bool add_points(MeshContact& mc, const Patch& patch, const Vec3& normal, std::ui
     kept[count++] = p;
   }
   if (count == 0 || deepest > limit) return false;
-  Cluster* cluster = cluster_for(mc, normal, deepest);
+  Cluster* cluster = cluster_for(mc, normal, t.surface, deepest);
   if (!cluster) return true;
-  if (deepest < cluster->deepest) cluster->deepest = deepest;
-  for (int i = 0; i < count; ++i) {
-    if (cluster->count == kClusterPoints) reduce_cluster(*cluster);
-    cluster->points[cluster->count++] = kept[i];
-  }
+  for (int i = 0; i < count; ++i) add_point(*cluster, kept[i]);
   return true;
 }
 
@@ -218,11 +248,11 @@ void collide_triangle(MeshContact& mc, std::uint32_t index) {
   Patch patch;
   if (!edge || dot(towards, face) >= kFaceCosine) {
     contact_patch(mc.pair, face_gap(facing), mc.margin, patch);
-    if (add_points(mc, patch, -face, index, &t, face_limit) || !edge) return;
+    if (add_points(mc, patch, -face, index, t, true, face_limit) || !edge) return;
   }
   // the deepest is beside the triangle, perhaps hardly: across a border or a blunt ridge no neighbour takes it
   contact_patch(mc.pair, nearest, mc.margin, patch);
-  add_points(mc, patch, rotate(mc.local.rotation, patch.normal), index, nullptr, kInfinity);
+  add_points(mc, patch, rotate(mc.local.rotation, patch.normal), index, t, false, kInfinity);
 }
 
 int convex_mesh(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, Real margin, PairCache&,
@@ -237,11 +267,12 @@ int convex_mesh(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& 
 
   // the deepest clusters, in the order they were found
   bool taken[kClusters] = {};
-  int found = 0;
-  for (; found < kMaxManifolds && found < mc.count; ++found) {
+  const int left = join_surfaces(mc);
+  for (int found = 0; found < kMaxManifolds && found < left; ++found) {
     int best = -1;
     for (int i = 0; i < mc.count; ++i)
-      if (!taken[i] && (best < 0 || mc.clusters[i].deepest < mc.clusters[best].deepest)) best = i;
+      if (!taken[i] && mc.clusters[i].count > 0 && (best < 0 || mc.clusters[i].deepest < mc.clusters[best].deepest))
+        best = i;
     taken[best] = true;
   }
   const Mat3 r = to_matrix(pose_b.rotation);
@@ -251,6 +282,7 @@ int convex_mesh(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& 
     Manifold& m = out[count++];
     reduce_points({mc.clusters[i].points, static_cast<std::size_t>(mc.clusters[i].count)}, mc.clusters[i].normal, m);
     m.normal = r * mc.clusters[i].normal;
+    m.surface = mc.clusters[i].surface;
     for (int k = 0; k < m.count; ++k) m.points[k].position = pose_b.position + r * m.points[k].position;
   }
   return count;

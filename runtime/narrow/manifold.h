@@ -1,5 +1,6 @@
 // What two touching shapes share: up to four points with one normal.
 #pragma once
+#include "feder/surface.h"
 #include "feder/types.h"
 
 namespace feder {
@@ -16,6 +17,7 @@ struct ManifoldPoint {
 struct Manifold {
   Vec3 normal = Vec3::Zero();  // unit, world, from a to b
   int count = 0;               // points in use; 0 = apart by more than the margin
+  SurfaceNumber surface = 0;   // of the mesh's triangles that it is on
   ManifoldPoint points[kMaxManifoldPoints];
 };
 

@@ -74,9 +74,12 @@ class TextReader {
 
   void content(std::string* out) {
     put(out, in_.text());
-    std::string_view rest = "*nv*v*u";
-    while (!rest.empty()) read(rest, nullptr);
-    for (std::uint64_t n = in_.count(); n > 0; --n) shape(nullptr), numbers(7, nullptr);
+    const auto pass = [&](std::string_view letters) {
+      while (!letters.empty()) read(letters, nullptr);
+    };
+    pass("*nv*v*u");
+    for (std::uint64_t n = in_.count(); n > 0; --n) shape(nullptr), pass("pu");
+    pass("*{nnnnbvt}*u");
   }
 
   void list(std::string_view& s, std::string* out) {

@@ -33,7 +33,10 @@ void flatten(const ShapePtr& shape, const Pose& at, std::vector<CompoundPart>& o
     out.push_back({shape, at});
     return;
   }
-  for (const CompoundPart& p : parts) flatten(p.shape, at * p.pose, out);
+  for (const CompoundPart& p : parts) {
+    flatten(p.shape, at * p.pose, out);
+    out.back().surface = p.surface;
+  }
 }
 
 bool finite_pose(const Pose& p) {
@@ -86,8 +89,10 @@ bool uneven(const Mat3& inertia) {
 // The parts of a description and what they weigh; SceneError where no body can be made of them.
 BodySolid solid_of(const BodyDesc& d, int dimension) {
   BodySolid s;
-  flatten(dimension == 2 ? d.shape->section() : d.shape, Pose{}, s.parts);
+  const ShapePtr whole = dimension == 2 ? d.shape->section() : d.shape;
+  flatten(whole, Pose{}, s.parts);
   FEDER_ASSERT(!s.parts.empty());
+  if (!whole->parts().empty()) s.surfaces.assign(whole->surfaces().begin(), whole->surfaces().end());
   std::vector<MassProperties> masses;
   masses.reserve(s.parts.size());
   for (const CompoundPart& p : s.parts) masses.push_back(transformed(p.shape->mass(1), p.pose));
@@ -204,9 +209,31 @@ ObjectId Rigid::Impl::add(const BodyDesc& d) {
   return bodies.object[i];
 }
 
+// The surface of collider k: what its part states, then that part's material, then the body.
+void Rigid::Impl::load_surface(std::uint32_t k, const BodyDesc& d, const ShapeSurface& own) {
+  const std::string& name = own.material.empty() ? d.material : own.material;
+  colliders.material[k] = name.empty() ? std::uint16_t(0) : collide.material(name);
+  SurfaceNumbers stated, all{d.friction_static, d.friction_dynamic, d.restitution, d.rolling_friction};
+  if (!own.material.empty()) stated = collide.material_numbers(colliders.material[k]);
+  override_numbers(stated, own.numbers);
+  override_numbers(all, stated);
+  colliders.friction_static[k] = all.friction_static;
+  colliders.friction_dynamic[k] = all.friction_dynamic;
+  colliders.restitution[k] = all.restitution;
+  colliders.rolling_friction[k] = all.rolling_friction;
+  colliders.surface_velocity[k] = own.has_velocity ? own.velocity : d.surface_velocity;
+  colliders.stated[k] = static_cast<std::uint8_t>(
+      (stated.friction_static >= 0 ? kStatesStatic : 0) | (stated.friction_dynamic >= 0 ? kStatesDynamic : 0) |
+      (stated.restitution >= 0 ? kStatesRestitution : 0) | (stated.rolling_friction >= 0 ? kStatesRolling : 0) |
+      (own.has_velocity ? kStatesVelocity : 0));
+  // materials of a mesh's triangles get their numbers
+  for (const ShapeSurface& s : colliders.shape[k]->surfaces())
+    if (!s.material.empty()) collide.material(s.material);
+}
+
 // One collider per part; what all of them share comes from the description.
 void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d, const BodySolid& solid) {
-  const std::uint16_t material = d.material.empty() ? std::uint16_t(0) : collide.material(d.material);
+  const ShapeSurface none;
   // in reverse, so that the list of a body runs in the order of the parts
   for (auto part = solid.parts.rbegin(); part != solid.parts.rend(); ++part) {
     const std::uint32_t k = colliders.add();
@@ -222,12 +249,7 @@ void Rigid::Impl::add_colliders(std::uint32_t i, const BodyDesc& d, const BodySo
     colliders.object[k] = bodies.object[i];
     colliders.sensor[k] = sensing(d.sensor, d.senses_fixed);
     colliders.bullet[k] = d.bullet;
-    colliders.friction_static[k] = d.friction_static;
-    colliders.friction_dynamic[k] = d.friction_dynamic;
-    colliders.restitution[k] = d.restitution;
-    colliders.rolling_friction[k] = d.rolling_friction;
-    colliders.surface_velocity[k] = d.surface_velocity;
-    colliders.material[k] = material;
+    load_surface(k, d, part->surface ? solid.surfaces[part->surface - 1u] : none);
     colliders.group[k] = d.group;
     colliders.mask[k] = d.mask;
   }

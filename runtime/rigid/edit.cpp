@@ -141,8 +141,11 @@ void Rigid::set_friction(ObjectId body, Real fixed, Real dynamic) {
   check_not_negative(fixed, "set_friction");
   check_not_negative(dynamic, "set_friction");
   impl_->wake_around(i);
-  impl_->each_collider(i, [&](std::uint32_t k) {
+  impl_->each_collider_without(kStatesStatic, i, [&](std::uint32_t k) {
     impl_->colliders.friction_static[k] = fixed;
+    impl_->colliders.changed.push_back(k);
+  });
+  impl_->each_collider_without(kStatesDynamic, i, [&](std::uint32_t k) {
     impl_->colliders.friction_dynamic[k] = dynamic;
     impl_->colliders.changed.push_back(k);
   });
@@ -152,7 +155,7 @@ void Rigid::set_restitution(ObjectId body, Real e) {
   const Command command(impl_->commands, "rigid.set_restitution", body, e);
   const std::uint32_t i = impl_->index(body);
   if (!(e >= 0 && e <= 1)) throw SceneError("set_restitution: expected a number from 0 to 1, got " + std::to_string(e));
-  impl_->each_collider(i, [&](std::uint32_t k) {
+  impl_->each_collider_without(kStatesRestitution, i, [&](std::uint32_t k) {
     impl_->colliders.restitution[k] = e;
     impl_->colliders.changed.push_back(k);
   });
@@ -163,7 +166,7 @@ void Rigid::set_surface_velocity(ObjectId body, const Vec3& v) {
   const std::uint32_t i = impl_->index(body);
   check(v, "set_surface_velocity");
   impl_->wake_around(i);
-  impl_->each_collider(i, [&](std::uint32_t k) {
+  impl_->each_collider_without(kStatesVelocity, i, [&](std::uint32_t k) {
     impl_->colliders.surface_velocity[k] = v;
     impl_->colliders.touched.push_back(k);
   });

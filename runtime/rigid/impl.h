@@ -40,10 +40,11 @@ struct JointRecord {
 
 // The parts of a new body, and what they weigh together.
 struct BodySolid {
-  std::vector<CompoundPart> parts;  // posed in the body frame
-  Vec3 center = Vec3::Zero();       // of mass, in the body frame, m
-  Real volume = 0, mass = 0;        // m^3, kg
-  Mat3 inertia = Mat3::Zero();      // about the centre of mass, kg m^2
+  std::vector<CompoundPart> parts;     // posed in the body frame
+  std::vector<ShapeSurface> surfaces;  // that parts name
+  Vec3 center = Vec3::Zero();          // of mass, in the body frame, m
+  Real volume = 0, mass = 0;           // m^3, kg
+  Mat3 inertia = Mat3::Zero();         // about the centre of mass, kg m^2
 };
 
 struct JointGap {
@@ -104,9 +105,17 @@ struct Rigid::Impl {
   std::uint32_t index(ObjectId body) const;
   void add_colliders(std::uint32_t i, const BodyDesc& desc, const BodySolid& solid);
   void resize_arrays();
+  void load_surface(std::uint32_t k, const BodyDesc& desc, const ShapeSurface& stated);
   template <class F>
   void each_collider(std::uint32_t i, F&& f) const {
     for (std::uint32_t k = bodies.first_collider[i]; k != kNone; k = colliders.next_of_body[k]) f(k);
+  }
+  // Those whose part of the shape states nothing of the kind itself.
+  template <class F>
+  void each_collider_without(SurfaceBits bit, std::uint32_t i, F&& f) const {
+    each_collider(i, [&](std::uint32_t k) {
+      if (!(colliders.stated[k] & bit)) f(k);
+    });
   }
   void set_pose(std::uint32_t i, const Pose& origin);
   void set_type(std::uint32_t i, BodyType type);

@@ -238,8 +238,12 @@ double Rigid::drive(const StepContext&) {
   for (std::uint32_t i = 0; i < s.bodies.size(); ++i) {
     if (s.bodies.type[i] == BodyType::free) continue;
     most = std::fmax(most, s.outside_speed(i, kNone));
-    s.each_collider(
-        i, [&](std::uint32_t k) { most = std::fmax(most, to_double(length(s.colliders.surface_velocity[k]))); });
+    s.each_collider(i, [&](std::uint32_t k) {
+      most = std::fmax(most, to_double(length(s.colliders.surface_velocity[k])));
+      if (s.bodies.type[i] == BodyType::dynamic) return;
+      for (const ShapeSurface& own : s.colliders.shape[k]->surfaces())  // of a mesh's triangles
+        most = std::fmax(most, to_double(length(own.velocity)));
+    });
   }
   return most;
 }

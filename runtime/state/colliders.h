@@ -17,6 +17,15 @@ enum class ColliderOwner : std::uint8_t { body, point };                       /
 enum class ColliderMotion : std::uint8_t { none, fixed, kinematic, dynamic };  // none: a free index
 inline constexpr std::uint8_t kSensesAll = 1, kSensesMoving = 2;               // of a sensor; moving: no fixed bodies
 
+// What the part of the shape states itself, so that edits of the body do not reach it.
+enum SurfaceBits : std::uint8_t {
+  kStatesStatic = 1,
+  kStatesDynamic = 2,
+  kStatesRestitution = 4,
+  kStatesRolling = 8,
+  kStatesVelocity = 16,
+};
+
 inline std::uint8_t sensing(bool sensor, bool senses_fixed) {
   return !sensor ? std::uint8_t(0) : senses_fixed ? kSensesAll : kSensesMoving;
 }
@@ -44,6 +53,7 @@ struct Colliders {
   Array<Vec3> angular_velocity{&arena};       // owner's, rad/s
   Array<Real> friction_static{&arena}, friction_dynamic{&arena}, restitution{&arena}, rolling_friction{&arena};
   Array<Vec3> surface_velocity{&arena};              // in the owner's frame, m/s (conveyor)
+  Array<std::uint8_t> stated{&arena};                // SurfaceBits
   Array<std::uint16_t> material{&arena};             // 0 = none; index into the world's material names
   Array<std::uint32_t> group{&arena}, mask{&arena};  // collide when (group_a & mask_b) and (group_b & mask_a)
   Array<std::uint32_t> free_list{&arena};
@@ -93,7 +103,8 @@ struct Colliders {
   static void each_array(C& c, F&& f) {
     for_each_of(f, c.motion, c.awake, c.sensor, c.bullet, c.owner, c.owner_index, c.solver_slot, c.object, c.sub,
                 c.next_of_body, c.local, c.pose, c.box, c.center, c.velocity, c.angular_velocity, c.friction_static,
-                c.friction_dynamic, c.restitution, c.rolling_friction, c.surface_velocity, c.material, c.group, c.mask);
+                c.friction_dynamic, c.restitution, c.rolling_friction, c.surface_velocity, c.stated, c.material,
+                c.group, c.mask);
   }
   // Calls f(member) for what snapshots hold as it is; shapes go by their index in `pinned`.
   template <class C, class F>

@@ -43,7 +43,9 @@ void CommandBytes::content(const Shape& x) {
   command::write(*this, a.sizes), command::write(*this, a.direction);
   command::write(*this, a.points), command::write(*this, a.triangles);
   whole(a.parts.size());
-  for (const CompoundPart& part : a.parts) shape(part.shape), command::write(*this, part.pose);
+  for (const CompoundPart& part : a.parts)
+    shape(part.shape), command::write(*this, part.pose), command::write(*this, part.surface);
+  command::write(*this, a.surfaces), command::write(*this, a.triangle_surfaces);
 }
 
 void CommandBytes::forget_shapes(std::size_t from) {
@@ -110,9 +112,10 @@ ShapePtr CommandReader::content() {
   command::read(*this, a.points), command::read(*this, a.triangles);
   for (std::uint64_t n = count(); n > 0; --n) {
     CompoundPart part{shape(), {}};
-    command::read(*this, part.pose);
+    command::read(*this, part.pose), command::read(*this, part.surface);
     a.parts.push_back(std::move(part));
   }
+  command::read(*this, a.surfaces), command::read(*this, a.triangle_surfaces);
   return make_shape(kind.c_str(), a.input());
 }
 

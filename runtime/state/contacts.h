@@ -6,6 +6,7 @@
 #include "feder/memory.h"
 #include "feder/object.h"
 #include "feder/snapshot.h"
+#include "feder/surface.h"
 #include "feder/types.h"
 
 namespace feder {
@@ -28,7 +29,8 @@ struct ContactPoint {
 
 struct Contact {
   std::uint32_t collider_a = kNone, collider_b = kNone;  // a < b
-  std::uint32_t sub = 0;                                 // number of the manifold within the pair
+  std::uint16_t sub = 0;                                 // number of the manifold within the pair
+  SurfaceNumber surface = 0;  // of the mesh's triangles that it is on; 0: that of the collider
   std::uint8_t touching = 0;  // has points with separation below the margin, which are solved
   std::uint8_t sensor = 0;
   std::uint8_t fresh = 0;  // new manifold this step (not recycled)

@@ -63,11 +63,15 @@ class Collide final : public System, public ContactService {
   void forget(std::uint32_t collider) override;
   void check_shape(const Shape& shape) const override;
   std::uint16_t material(std::string_view name) override;
+  SurfaceNumbers material_numbers(std::uint16_t material) const override;
   Real core_depth(const Shape& shape) const override;
   void obstacles(std::uint32_t collider, const Aabb& box, bool moving, Array<std::uint32_t>& found) const override;
   OwnerImpact impact(std::uint32_t a, const OwnerMotion& motion_a, std::uint32_t b, const OwnerMotion& motion_b,
                      Real begin, Real end) const override;
   void set_material_pair(const MaterialPair& pair);
+  // What parts and triangles with a surface of that material have where they state nothing themselves. Before bodies
+  // with such parts are added. SceneError on numbers that are not finite, or a restitution above 1.
+  void define_material(std::string_view name, const SurfaceNumbers& numbers);
 
   // Colliders whose boxes overlap this one, ascending: by the broad phase, with the boxes of this step, from
   // Rank::wake_touched to its end.

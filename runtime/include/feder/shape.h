@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "feder/surface.h"
 #include "feder/types.h"
 
 namespace feder {
@@ -40,6 +41,7 @@ struct Triangle {
   Vec3 a, b, c;
   std::uint8_t flat_edges = 0;         // bit k: edge k (ab, bc, ca) joins a coplanar or concave neighbour;
                                        // bit 3 + k: the same seen from behind
+  SurfaceNumber surface = 0;           // in Shape::surfaces()
   Real edge_cosine[3] = {-1, -1, -1};  // between this normal and that of the neighbour across edge k; -1: none
 };
 
@@ -51,6 +53,7 @@ using ShapePtr = std::shared_ptr<const Shape>;
 struct CompoundPart {
   ShapePtr shape;
   Pose pose;
+  SurfaceNumber surface = 0;  // in the compound's Shape::surfaces()
 };
 
 // What a shape is made from; `input()` is a view of it for make_shape().
@@ -61,6 +64,8 @@ struct ShapeArguments {
   std::vector<Vec3> points = {};
   std::vector<std::uint32_t> triangles = {};
   std::vector<CompoundPart> parts = {};
+  std::vector<ShapeSurface> surfaces = {};
+  std::vector<SurfaceNumber> triangle_surfaces = {};  // one per triangle, or none
   ShapeInput input() const;
 };
 
@@ -100,6 +105,8 @@ class Shape {
   virtual bool half_space(Vec3& /*normal*/, Real& /*distance*/) const { return false; }
   // Of a compound: a body made from it gets one collider per part. Empty for all others.
   virtual std::span<const CompoundPart> parts() const;
+  // What triangles of a mesh and parts of a compound name by number, from 1. Empty where nothing differs from the body.
+  virtual std::span<const ShapeSurface> surfaces() const;
 
   // What make_shape() makes an equal shape from, to the last bit. SceneError for shapes that scripts cannot make.
   virtual ShapeArguments arguments() const;
@@ -128,12 +135,17 @@ struct ShapeInput {
   std::span<const Vec3> points = {};  // z is ignored by 2D shapes
   std::span<const std::uint32_t> triangles = {};
   std::span<const CompoundPart> parts = {};
+  std::span<const ShapeSurface> surfaces = {};
+  std::span<const SurfaceNumber> triangle_surfaces = {};  // one per triangle, or none
   Real size(std::size_t k) const { return static_cast<Real>(sizes[k]); }
 };
 
-inline ShapeInput ShapeArguments::input() const { return {sizes, direction, points, triangles, parts}; }
+inline ShapeInput ShapeArguments::input() const {
+  return {sizes, direction, points, triangles, parts, surfaces, triangle_surfaces};
+}
 
-enum class ShapeArgumentType : std::uint8_t { size, number, direction, points, points_2d, triangles, parts };
+// surfaces: of the triangles before it.
+enum class ShapeArgumentType : std::uint8_t { size, number, direction, points, points_2d, triangles, parts, surfaces };
 struct ShapeArgument {
   const char* name;
   ShapeArgumentType type;
@@ -174,9 +186,13 @@ inline ShapePtr make_cone(Real radius, Real height) { return make_shape("cone", 
 inline ShapePtr make_hull(std::span<const Vec3> points) { return make_shape("hull", {.points = points}); }
 // The half-space n.x <= d is solid.
 inline ShapePtr make_plane(const Vec3& normal, Real distance) { return make_shape("plane", {{distance}, normal}); }
-// For static bodies.
-inline ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles) {
-  return make_shape("mesh", {.points = vertices, .triangles = triangles});
+// For static bodies. `triangle_surfaces`: the number of each triangle's surface.
+inline ShapePtr make_mesh(std::span<const Vec3> vertices, std::span<const std::uint32_t> triangles,
+                          std::span<const ShapeSurface> surfaces = {},
+                          std::span<const SurfaceNumber> triangle_surfaces = {}) {
+  return make_shape(
+      "mesh",
+      {.points = vertices, .triangles = triangles, .surfaces = surfaces, .triangle_surfaces = triangle_surfaces});
 }
 inline ShapePtr make_circle(Real radius) { return make_shape("circle", {{radius}}); }  // 2D
 // 2D: the convex hull of the points.
@@ -185,8 +201,8 @@ inline ShapePtr make_polygon(std::span<const Vec2> points, Real radius = 0) {
   for (const Vec2& p : points) flat.emplace_back(p[0], p[1], 0);
   return make_shape("polygon", {.sizes = {radius}, .points = flat});
 }
-inline ShapePtr make_compound(const std::vector<CompoundPart>& parts) {
-  return make_shape("compound", {.parts = parts});
+inline ShapePtr make_compound(const std::vector<CompoundPart>& parts, std::span<const ShapeSurface> surfaces = {}) {
+  return make_shape("compound", {.parts = parts, .surfaces = surfaces});
 }
 
 }  // namespace feder

@@ -11,6 +11,7 @@
 #include "feder/params.h"
 #include "feder/plan.h"
 #include "feder/snapshot.h"
+#include "feder/surface.h"
 
 namespace feder {
 
@@ -135,6 +136,8 @@ class ContactService {
 
   // The number of a named material, made on first use. Number 0 is "no material".
   virtual std::uint16_t material(std::string_view name) = 0;
+  // What is known of a material by its number (Collide::define_material); nothing of most.
+  virtual SurfaceNumbers material_numbers(std::uint16_t material) const = 0;
 
   // Least distance from the surface of a shape to its core, m, kCoreDepth of its least half width: a shape that moves
   // less passes through nothing. Infinite for what is not convex.

@@ -1,0 +1,144 @@
+// Part of the contact kernels (contact_kernel.h): impacts within a substep, and what the warm start of jointed bodies
+// throws.
+#pragma once
+#include "rigid/contact_kernel.h"
+
+namespace feder {
+namespace {
+
+// Which points strike now: with restitution (or all), faster than bounce_speed, and in contact before the substep ends.
+void mark_strikes(const ContactPass& p) {
+  const Lanes zero = zero_lanes(), one = all_lanes(1), h = all_lanes(p.h);
+  for (unsigned i = p.first; i < p.last; ++i) {
+    if (!p.sides[i].bounces && !p.all_strike) continue;
+    const ContactBatch& c = p.batches[i];
+    StrikeBatch& strike = p.strikes[i];
+    Sides s;
+    gather_velocity(p, c, s);
+    gather_displacement(p, c, s);
+    const Lanes3 n = load(c.normal);
+    const Lanes along = dot(n, linear(s.b) - linear(s.a)), moved = dot(n, s.delta_position);
+    const Lanes bouncing = p.all_strike ? one : select(load(p.sides[i].restitution) > zero, one, zero);
+    Lanes some = zero;
+    for (unsigned j = 0; j < c.points; ++j) {
+      const BatchPoint& q = c.point[j];
+      const Lanes speed = point_speed(q, along, angular(s.a), angular(s.b));
+      const Lanes separation = point_speed(q, load(q.separation) + moved, s.delta_rotation_a, s.delta_rotation_b);
+      const LaneMask hits = (speed < all_lanes(-p.bounce_speed)) & (separation + speed * h < zero);
+      const Lanes approach = select(hits, speed, zero) * bouncing;
+      some = min(some, approach * load(q.mass));
+      store(strike.approach[j], approach);
+      store(strike.impulse[j], zero);
+    }
+    store(strike.tangent[0], zero), store(strike.tangent[1], zero);
+    strike.acts = any(some < zero);
+  }
+}
+
+// Which points part now, faster than bounce_speed, by an impulse that they have: of jointed bodies only.
+void mark_thrown(const ContactPass& p) {
+  const Lanes zero = zero_lanes();
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const ContactBatch& c = p.batches[i];
+    StrikeBatch& strike = p.strikes[i];
+    strike.acts = 0;
+    Lane8 jointed;
+    unsigned any_jointed = 0;
+    for (int k = 0; k < kLanes; ++k) {
+      const unsigned is = p.jointed[c.index_a[k]] | p.jointed[c.index_b[k]];
+      jointed.v[k] = WideReal(is), any_jointed |= is;
+    }
+    if (!any_jointed) continue;
+    Sides s;
+    gather_velocity(p, c, s);
+    const Lanes along = dot(load(c.normal), linear(s.b) - linear(s.a));
+    Lanes some = zero;
+    for (unsigned j = 0; j < c.points; ++j) {
+      const BatchPoint& q = c.point[j];
+      const Lanes speed = point_speed(q, along, angular(s.a), angular(s.b));
+      const LaneMask thrown = (speed > all_lanes(p.bounce_speed)) & (load(q.impulse) > zero);
+      const Lanes parts = select(thrown, speed, zero) * load(jointed);
+      some = max(some, parts * load(q.mass));
+      store(strike.approach[j], -parts);
+    }
+    strike.acts = any(some > zero);
+  }
+}
+
+void ease_batches(const ContactPass& p) {
+  const Lanes zero = zero_lanes(), one = all_lanes(1);
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const StrikeBatch& strike = p.strikes[i];
+    if (!strike.acts) continue;
+    ContactBatch& c = p.batches[i];
+    Sides s;
+    gather_velocity(p, c, s);
+    const Lanes3 n = load(c.normal);
+    for (unsigned j = 0; j < c.points; ++j) {
+      BatchPoint& q = c.point[j];
+      const Lanes along = dot(n, linear(s.b) - linear(s.a));
+      const Lanes speed = point_speed(q, along, angular(s.a), angular(s.b));
+      const Lanes thrown = select(load(strike.approach[j]) < zero, one, zero), old = load(q.impulse);
+      const Lanes change = thrown * (max(old - max(load(q.mass) * speed, zero), zero) - old);
+      store(q.impulse, old + change);
+      push(c, s, n * change, load(q.angular_a) * change, load(q.angular_b) * change);
+    }
+    write_back(p, c, s);
+  }
+}
+
+// Friction of a strike: Coulomb's cone over the impulse `held` of its points so far.
+[[gnu::always_inline]] inline void strike_friction(const ContactBatch& c, StrikeBatch& strike, Lanes held, Sides& s) {
+  const Lanes3 t1 = load(c.tangent), t2 = cross(load(c.normal), t1);
+  const Lanes3 ra = load(c.center_a), rb = load(c.center_b);
+  const Lanes3 v = linear(s.b) + cross(angular(s.b), rb) - linear(s.a) - cross(angular(s.a), ra);
+  const Lanes v1 = dot(v, t1) - load(c.tangent_speed[0]), v2 = dot(v, t2) - load(c.tangent_speed[1]);
+  const Lanes old1 = load(strike.tangent[0]), old2 = load(strike.tangent[1]);
+  const Lanes m11 = load(c.tangent_mass[0]), m12 = load(c.tangent_mass[1]), m22 = load(c.tangent_mass[2]);
+  Lanes now1 = old1 - (m11 * v1 + m12 * v2), now2 = old2 - (m12 * v1 + m22 * v2);
+  const Lanes size = square_root(now1 * now1 + now2 * now2);
+  const LaneMask beyond = size > load(c.friction_static) * held;
+  const Lanes one = all_lanes(1);
+  const Lanes scale = select(beyond, load(c.friction_dynamic) * held / select(beyond, size, one), one);
+  now1 = now1 * scale, now2 = now2 * scale;
+  store(strike.tangent[0], now1), store(strike.tangent[1], now2);
+  const Lanes3 change = t1 * (now1 - old1) + t2 * (now2 - old2);
+  push(c, s, change, cross(ra, change), cross(rb, change));
+}
+
+// One round: points that strike leave with restitution x the speed they came with (Newton's law), or faster.
+void strike_batches(const ContactPass& p) {
+  for (unsigned i = p.first; i < p.last; ++i) {
+    if ((!p.sides[i].bounces && !p.all_strike) || !p.strikes[i].acts) continue;
+    ContactBatch& c = p.batches[i];
+    BatchSide& side = p.sides[i];
+    StrikeBatch& strike = p.strikes[i];
+    Sides s;
+    gather_velocity(p, c, s);
+    const Lanes3 n = load(c.normal);
+    const Lanes along = dot(n, linear(s.b) - linear(s.a)), zero = zero_lanes(), e = load(side.restitution);
+    Lanes speed[kBatchPoints];
+    for (unsigned j = 0; j < c.points; ++j) speed[j] = point_speed(c.point[j], along, angular(s.a), angular(s.b));
+    Lanes sum = zero, held = zero;
+    Lanes3 angular_a{}, angular_b{};
+    for (unsigned j = 0; j < c.points; ++j) {
+      BatchPoint& q = c.point[j];
+      const Lanes approach = load(strike.approach[j]), old = load(strike.impulse[j]);
+      const Lanes wanted = max(old - load(q.mass) * (speed[j] + e * approach), zero);
+      const Lanes now = select(approach < zero, wanted, zero), change = now - old;
+      store(strike.impulse[j], now);
+      store(side.total[j], load(side.total[j]) + change);
+      held += now;
+      sum += change;
+      angular_a = angular_a + load(q.angular_a) * change;
+      angular_b = angular_b + load(q.angular_b) * change;
+      for (unsigned k = j + 1; k < c.points; ++k) speed[k] += load(c.coupling[kPair[j][k]]) * change;
+    }
+    push(c, s, n * sum, angular_a, angular_b);
+    strike_friction(c, strike, held, s);
+    write_back(p, c, s);
+  }
+}
+
+}  // namespace
+}  // namespace feder
