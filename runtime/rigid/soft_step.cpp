@@ -256,10 +256,11 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   }
   make_groups(in, c);
   for (Group& g : groups_) prepare_joints(g, in, c);
-  jointed_ = in.active_joints.empty() ? nullptr : c.scratch->take<std::uint8_t>(body_count);
+  jointed_ = in.active_joints.empty() || contact_count_ == 0 ? nullptr : c.scratch->take<std::uint8_t>(body_count);
   if (jointed_) std::fill_n(jointed_, body_count, std::uint8_t(0));
   for (const Group& g : groups_)
-    for (const std::uint32_t i : g.joints.empty() ? std::span<const std::uint32_t>() : g.soft_joints->bodies())
+    for (const std::uint32_t i :
+         g.joints.empty() || !jointed_ ? std::span<const std::uint32_t>() : g.soft_joints->bodies())
       jointed_[i] = 1;
   if (contact_count_ > 0) prepare_contacts(in, c);
   if (!split_) return;
