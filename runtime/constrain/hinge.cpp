@@ -1,16 +1,17 @@
 // Hinge: anchors stay together and the x axes of the frames stay parallel; the angle about them is free, limited or
 // driven. Five equality rows in one block (three of the point; y_a . x_b = 0 and z_a . x_b = 0), one row per finite
 // limit, one motor row. The angle is that of y_b in the y-z plane of frame a, in (-pi, pi]; with two finite limits it
-// is measured from their middle, so that limits may lie anywhere on the circle. All Jacobians are exact derivatives,
-// but for those of the axis beyond 45 degrees: there its rows are the angle between the axes along y_a and z_a, with
-// the directions that turn b straight back, since sines would vanish at 180 degrees. Weak spot: limits wider than 2 pi
-// never act.
+// is measured from their middle, so that limits may lie anywhere on the circle. The rows of the axis are sines of its
+// error; beyond 45 degrees they go on with that slope, along y_a and z_a, since sines vanish at 180 degrees. All
+// Jacobians are exact derivatives up to 170 degrees; from there to 180 they are the ways that turn b straight back.
+// Weak spot: limits wider than 2 pi never act.
 #include "constrain/frames.h"
 
 namespace feder::joints {
 namespace {
 
-constexpr Real kFarTurn = Real(0.70710678);  // cosine of the angle between the axes from which rows are angles
+constexpr Real kBent = Real(0.70710678);  // cosine, and sine, of the error of the axis from which rows go on linearly
+constexpr Real kOpposed = Real(-0.98480775);  // cosine of 170 degrees
 
 // The angle and its derivative with respect to the relative angular velocity.
 Real angle_of(const WorldFrames& f, Vec3& gradient) {
@@ -44,14 +45,24 @@ void fill_axis_rows(const WorldFrames& f, Row* rows) {
   const Real c = dot(x_a, x_b);
   for (int k = 0; k < 2; ++k) {
     const Vec3 side = f.axes_a.col(k + 1);
-    fill_angle_row(cross(c < kFarTurn ? x_a : x_b, side), rows[k]);
+    fill_angle_row(cross(c < kOpposed ? x_a : x_b, side), rows[k]);
     rows[k].value = dot(side, x_b);
   }
-  if (!(c < kFarTurn)) return;
-  const Real s = std::sqrt(rows[0].value * rows[0].value + rows[1].value * rows[1].value), angle = arc_tan2(s, c);
-  const bool opposed = s < Real(1e-4);  // any way is as short
-  rows[0].value = opposed ? angle : rows[0].value * (angle / s);
-  rows[1].value = opposed ? 0 : rows[1].value * (angle / s);
+  if (!(c < kBent)) return;
+  // value = e(angle) / sin(angle) y, with e the sine continued by its tangent at 45 degrees
+  const Real s = std::sqrt(rows[0].value * rows[0].value + rows[1].value * rows[1].value);
+  const Real e = kBent * (1 + arc_tan2(s, c) - kPi / 4);
+  if (s < Real(1e-4)) {  // any way is as short
+    rows[0].value = e, rows[1].value = 0;
+    return;
+  }
+  const Real by_c = (e * c - kBent * s) / (s * s * s);  // derivative of e / sin by c
+  for (int k = 0; k < 2; ++k) {
+    const Real y = rows[k].value;
+    rows[k].value = e / s * y;
+    if (c < kOpposed) continue;
+    fill_angle_row(e / s * rows[k].angular_b + by_c * y * cross(x_b, x_a), rows[k]);
+  }
 }
 
 void fill_limit(const Vec3& gradient, Real room, Real sign, Row& row) {
