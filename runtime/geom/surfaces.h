@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "feder/surface.h"
+#include "feder/shape.h"
 
 namespace feder {
 

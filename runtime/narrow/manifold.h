@@ -1,6 +1,5 @@
 // What two touching shapes share: up to four points with one normal.
 #pragma once
-#include "feder/surface.h"
 #include "feder/types.h"
 
 namespace feder {

@@ -6,7 +6,6 @@
 #include "feder/memory.h"
 #include "feder/object.h"
 #include "feder/snapshot.h"
-#include "feder/surface.h"
 #include "feder/types.h"
 
 namespace feder {

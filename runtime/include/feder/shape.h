@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "feder/surface.h"
 #include "feder/types.h"
 
 namespace feder {
@@ -20,6 +19,42 @@ namespace feder {
 inline Real round_distance(const Vec3& d, Real radius, const Vec3& fallback, Vec3& normal) {
   normal = normalized_or(d, fallback);
   return length(d) - radius;
+}
+
+// What a part of a compound or a triangle of a mesh states of its surface: friction, restitution, belts, a material.
+// What it does not state is its material's, and what that does not state is the body's.
+// Each below 0: not stated.
+struct SurfaceNumbers {
+  Real friction_static = -1, friction_dynamic = -1, restitution = -1;
+  Real rolling_friction = -1;  // lever arm, m
+
+  // Calls f(field) for all of them, in this order.
+  template <class S, class F>
+  static void each_field(S& s, F&& f) {
+    f(s.friction_static), f(s.friction_dynamic), f(s.restitution), f(s.rolling_friction);
+  }
+};
+
+struct ShapeSurface {
+  SurfaceNumbers numbers = {};
+  bool has_velocity = false;
+  Vec3 velocity = Vec3::Zero();  // body frame, m/s, when has_velocity
+  std::string material = {};     // of the world's; "": not stated
+
+  template <class S, class F>
+  static void each_field(S& s, F&& f) {
+    SurfaceNumbers::each_field(s.numbers, f), f(s.has_velocity), f(s.velocity), f(s.material);
+  }
+};
+
+inline constexpr std::size_t kMaxSurfaces = 0xffff;
+
+// What is stated takes the place of what was there.
+inline void override_numbers(SurfaceNumbers& all, const SurfaceNumbers& by) {
+  if (by.friction_static >= 0) all.friction_static = by.friction_static;
+  if (by.friction_dynamic >= 0) all.friction_dynamic = by.friction_dynamic;
+  if (by.restitution >= 0) all.restitution = by.restitution;
+  if (by.rolling_friction >= 0) all.rolling_friction = by.rolling_friction;
 }
 
 // All about the centre of mass, in the shape's frame. A shape without volume (plane, mesh) has mass 0.

@@ -11,9 +11,10 @@
 #include "feder/params.h"
 #include "feder/plan.h"
 #include "feder/snapshot.h"
-#include "feder/surface.h"
 
 namespace feder {
+
+struct SurfaceNumbers;
 
 class CommandLog;
 class Shape;

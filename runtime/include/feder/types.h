@@ -177,4 +177,7 @@ inline bool contains(const Aabb& outer, const Aabb& inner) {
          inner.hi[0] <= outer.hi[0] && inner.hi[1] <= outer.hi[1] && inner.hi[2] <= outer.hi[2];
 }
 
+// Number in a shape's list of surfaces (ShapeSurface, shape.h): from 1; 0 is the body's own surface.
+using SurfaceNumber = std::uint16_t;
+
 }  // namespace feder
