@@ -178,7 +178,10 @@ def rivals_all(_feder, _folder):
                    (("1", "processor_ms"), ("2", "wall_ms"), ("1", "memory_mb")))
         lines.append(f"| {scene} ({r['steps']} steps) | {ENGINES[engine]} | {' | '.join(numbers)} | "
                      f"{end_states(rows, scene, engine)} |")
-    used = {r["engine"]: f"{r['version']} ({r['flags']})" for r in rows.values()}
+    versions = {}
+    for r in rows.values():
+        versions.setdefault((r["engine"], r["flags"]), {})[r["version"]] = None
+    used = {engine: f"{' and '.join(found)} ({flags})" for (engine, flags), found in versions.items()}
     about = "; ".join(f"{name} {used[engine]}" for engine, name in ENGINES.items() if engine in used)
     lines += ["", textwrap.fill(f"feder {used.get('feder')}; {about}.", 120)]
     lines += ["", "| scene | beside | time over its | of |", "|---|---|---|---|"]
