@@ -108,8 +108,8 @@ Real Rigid::Impl::need_of_joints(const IslandLoad& island, const StepContext& c)
   if (hangs < kLeastHangs) return 0;
   const bool slack = island.least < kSlack * island.most;
   const Real swings = std::max(island.swings, island.before > 0 && slack ? kSnaps * hangs : Real(0));
-  const Real swing = hangs < kSwingHangs ? kInfinity : kLeastSwings;
   if (island.open) return swings / kSwings;
+  const Real swing = hangs < kSwingHangs ? kInfinity : kLeastSwings;
   const Real least = island.before > 0 ? kCalmSwings : std::max(std::min(kSnaps * hangs, swing), kCalmSwings);
   return swings > least ? swings / kSwings : Real(0);
 }

@@ -256,12 +256,14 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   }
   make_groups(in, c);
   for (Group& g : groups_) prepare_joints(g, in, c);
-  jointed_ = in.active_joints.empty() || contact_count_ == 0 ? nullptr : c.scratch->take<std::uint8_t>(body_count);
-  if (jointed_) std::fill_n(jointed_, body_count, std::uint8_t(0));
-  for (const Group& g : groups_)
-    for (const std::uint32_t i :
-         g.joints.empty() || !jointed_ ? std::span<const std::uint32_t>() : g.soft_joints->bodies())
-      jointed_[i] = 1;
+  jointed_ = nullptr;
+  if (contact_count_ > 0 && !in.active_joints.empty()) {
+    jointed_ = c.scratch->take<std::uint8_t>(body_count);
+    std::fill_n(jointed_, body_count, std::uint8_t(0));
+    for (const Group& g : groups_)
+      if (!g.joints.empty())
+        for (const std::uint32_t i : g.soft_joints->bodies()) jointed_[i] = 1;
+  }
   if (contact_count_ > 0) prepare_contacts(in, c);
   if (!split_) return;
   kept_ = c.scratch->take<Real>(body_count_ * 6);

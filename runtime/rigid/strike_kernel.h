@@ -65,6 +65,7 @@ void mark_thrown(const ContactPass& p) {
   }
 }
 
+// One round: they give back as much of their impulse as stops that, in the inertia that gave it.
 void ease_batches(const ContactPass& p) {
   const Lanes zero = zero_lanes(), one = all_lanes(1);
   for (unsigned i = p.first; i < p.last; ++i) {

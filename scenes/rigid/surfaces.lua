@@ -7,7 +7,7 @@ local speed = feder.param("speed", 3, { min = 0.5, max = 4 })
 
 local g, friction, belt, drop = 9.81, 0.5, 1, 1
 
--- Strips along x, two metres wide each, in the order of their surfaces; 0: the body's own.
+-- Strips along x, two metres wide each: the first has the body's own surface, the others those of the list.
 local function ground()
   local vertices, triangles = {}, {}
   for row = 0, 4 do
@@ -42,10 +42,10 @@ return feder.scene {
       }
     end
     scene.plain, scene.ice, scene.carried = block("plain", 0.5, speed), block("ice", 3, speed), block("carried", 5, 0)
-    local runner = { shape = feder.box(0.8, 0.1, 0.1), material = "ice" }
+    local runner = feder.box(0.8, 0.1, 0.1)
     scene.sledge = block("sledge", 1.4, speed, feder.compound {
-      { shape = runner.shape, position = { 0, -0.1, 0.15 }, material = runner.material },
-      { shape = runner.shape, position = { 0, -0.1, -0.15 }, material = runner.material },
+      { shape = runner, position = { 0, -0.1, 0.15 }, material = "ice" },
+      { shape = runner, position = { 0, -0.1, -0.15 }, material = "ice" },
       { shape = feder.box(0.6, 0.1, 0.4) },
     })
     scene.ball = world:body { name = "ball", shape = feder.sphere(0.2), mass = 1, position = { 2, drop + 0.2, 7 } }
