@@ -6,6 +6,8 @@
 
 #include <algorithm>
 
+#include "feder/error.h"
+
 namespace feder {
 
 void BoxTree::build(std::span<const Aabb> boxes) {
@@ -62,7 +64,10 @@ void BoxTree::join_levels() {
     for (int k = 0; k < 4; ++k) {
       const std::uint32_t node = fours_[f].node[k];
       if (node == kNone) continue;
-      const std::uint32_t child = nodes_[node].count > 0 ? node | kLeafBit : add_four(node, false);
+      const Node& n = nodes_[node];
+      const bool leaf = n.count > 0;
+      FEDER_ASSERT(!leaf || (n.first <= kFirstMask && n.count <= kLeaf));
+      const std::uint32_t child = leaf ? kLeafBit | (n.count - 1) << kCountShift | n.first : add_four(node, false);
       fours_[f].child[k] = child;
     }
 }
@@ -96,18 +101,13 @@ void BoxTree::find_last() {
 }
 
 void BoxTree::fit() {
-  const std::size_t next = items_.size() + kLeaf;
-  sides_.resize(6 * next);
-  for (std::size_t k = 0; k < items_.size(); ++k)
-    for (std::size_t d = 0; d < 3; ++d) {
-      const Aabb& b = boxes_[items_[k]];
-      sides_[2 * d * next + k] = b.lo[static_cast<int>(d)], sides_[(2 * d + 1) * next + k] = b.hi[static_cast<int>(d)];
-    }
+  sorted_.resize(items_.size());
+  for (std::size_t k = 0; k < items_.size(); ++k) sorted_[k] = boxes_[items_[k]];
   for (std::size_t n = nodes_.size(); n-- > 0;) {
     Node& node = nodes_[n];
     node.box = Aabb{};
     if (node.count > 0)
-      for (std::uint32_t k = node.first; k < node.first + node.count; ++k) node.box.include(boxes_[items_[k]]);
+      for (std::uint32_t k = node.first; k < node.first + node.count; ++k) node.box.include(sorted_[k]);
     else
       node.box.include(nodes_[node.first].box), node.box.include(nodes_[node.first + 1].box);
   }
@@ -119,8 +119,8 @@ void BoxTree::fit() {
     }
 }
 
-void BoxTree::number_in_order(std::span<const Aabb> boxes) {
-  boxes_ = boxes;
+void BoxTree::number_in_order() {
+  boxes_ = {sorted_.data(), sorted_.size()};
   for (std::uint32_t i = 0; i < items_.size(); ++i) items_[i] = i;
   sort_.clear(), sort_.shrink_to_fit();  // of use to the next build only
   find_last();

@@ -18,15 +18,15 @@ namespace feder {
 // items (closed boxes), each once. Allocates only when items outnumber every earlier call.
 class BoxTree {
  public:
-  explicit BoxTree(Arena& a) : nodes_(&a), fours_(&a), items_(&a), sort_(&a), leaves_(&a), sides_(&a) {}
+  explicit BoxTree(Arena& a) : nodes_(&a), fours_(&a), items_(&a), sort_(&a), leaves_(&a), sorted_(&a) {}
 
   void build(std::span<const Aabb> boxes);
   // The same items in new places; builds anew when the tree's surface has grown by half.
   void refit(std::span<const Aabb> boxes);
-  // The items in the order of the leaves, ascending within each. An owner who stores its items in that order, with
-  // boxes to match, calls number_in_order: item k is the k-th from then on, and visits are ascending.
+  // The items in the order of the leaves, ascending within each. An owner who stores its items in that order calls
+  // number_in_order: item k is the k-th from then on, and visits are ascending.
   std::span<const std::uint32_t> order() const { return {items_.data(), items_.size()}; }
-  void number_in_order(std::span<const Aabb> boxes);
+  void number_in_order();
   bool empty() const { return items_.empty(); }
   std::size_t size() const { return items_.size(); }
   Aabb bounds() const { return nodes_.empty() ? Aabb{} : nodes_[0].box; }
@@ -36,13 +36,14 @@ class BoxTree {
   void query(const Aabb& box, F&& visit) const {
     if (fours_.empty()) return;
     const Around around(box);
+    const BoxQuery single(box);
     std::uint32_t stack[2 * kDepth];  // up to three a level, of which there are half as many
     int top = 0;
     stack[top++] = 0;
     while (top > 0) {
       const std::uint32_t at = stack[--top];
       if (at & kLeafBit) {
-        query_leaf(nodes_[at & ~kLeafBit], around, visit);
+        query_leaf(at & kFirstMask, (at >> kCountShift & (kLeaf - 1)) + 1, single, visit);
         continue;
       }
       const Four& f = fours_[at];
@@ -67,10 +68,10 @@ class BoxTree {
       descend([&](const Node& n) { return n.last > first && query.meets(n.box); },
               [&](const Node& n) { leaves_.push_back(static_cast<std::uint32_t>(&n - nodes_.data())); });
       for (std::uint32_t a = first; a < end; ++a) {
-        const Around around(boxes_[a]);
+        const BoxQuery own(boxes_[a]);
         for (const std::uint32_t leaf : leaves_)
           if (const Node& n = nodes_[leaf]; n.last > a && overlaps(n.box, boxes_[a]))
-            query_leaf(n, around, [&](std::uint32_t b) {
+            query_leaf(n.first, n.count, own, [&](std::uint32_t b) {
               if (b > a) visit(a, b);
             });
       }
@@ -94,11 +95,11 @@ class BoxTree {
     std::uint32_t count = 0;  // leaf: items; else 0
     std::uint32_t last = 0;   // largest item below
   };
-  static constexpr std::uint32_t kLeafBit = 0x80000000u;
+  static constexpr std::uint32_t kLeafBit = 0x80000000u, kFirstMask = 0x1fffffffu, kCountShift = 29;
   struct Four {              // up to four nodes below one, in order; unused: boxes of NaN
     Real side[6][4];         // x from, x to, y from ...
     std::uint32_t node[4];   // in nodes_
-    std::uint32_t child[4];  // in fours_; a leaf: its node, with kLeafBit
+    std::uint32_t child[4];  // in fours_; a leaf: kLeafBit, its items less one, and its first item
   };
   struct Middle {  // of an item's box
     Real at[3];
@@ -144,12 +145,10 @@ class BoxTree {
     return bits;
 #endif
   }
-  // All boxes of a leaf are compared together.
   template <class F>
-  void query_leaf(const Node& leaf, const Around& box, F&& visit) const {
-    static_assert(kLeaf == 4);
-    unsigned hit = overlapping(&sides_[leaf.first], items_.size() + kLeaf, box) & ((1u << leaf.count) - 1);
-    for (; hit != 0; hit &= hit - 1) visit(items_[leaf.first + static_cast<unsigned>(std::countr_zero(hit))]);
+  void query_leaf(std::uint32_t first, std::uint32_t count, const BoxQuery& box, F&& visit) const {
+    for (std::uint32_t k = first; k < first + count; ++k)
+      if (box.meets(sorted_[k])) visit(items_[k]);
   }
   void split(std::uint32_t node);
   void join_levels();
@@ -163,7 +162,7 @@ class BoxTree {
   Array<std::uint32_t> items_;
   Array<Middle> sort_;           // in the order of items_
   Array<std::uint32_t> leaves_;  // of the descent under way
-  Array<Real> sides_;  // of the items' boxes in that order, each with room for a leaf: x from, x to, y from ...
+  Array<Aabb> sorted_;           // boxes of the items, in that order
   std::span<const Aabb> boxes_;
   Real built_cost_ = 0;
 };

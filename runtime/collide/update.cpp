@@ -79,18 +79,17 @@ const ContactPoint* old_point(const ContactPoint& p, std::span<const Contact> ol
 
 // Slots lie in no order of the entries: what is tested soon is on its way to the cache meanwhile.
 void Collide::Impl::fetch(const ContactEntry& e) const {
-  if (e.bits & kTouching) prefetch(contacts->slots[e.slot]);
-  prefetch(memory[e.slot]);
+  if (e.sub == 0 || (e.bits & kTouching)) prefetch(memory[e.slot]);
 }
 
 void Collide::Impl::collide(StepContext& c) {
   merge_pairs();
   const std::uint32_t count = static_cast<std::uint32_t>(entries.size());
-  constexpr std::uint32_t kAhead = 6;
+  constexpr std::uint32_t kAhead = 8;     // pairs with a mesh have kMaxManifolds entries each
   constexpr JobGrain kGrain{64, 10'000};  // contacts; a third of that when all are recycled
   c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) {
-      if (i + kAhead < last) fetch(entries[i + kAhead]);
+      if (i + kAhead < count) fetch(entries[i + kAhead]);
       if (entries[i].sub == 0) test_pair(i, c.dt);
     }
   });

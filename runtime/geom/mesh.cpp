@@ -61,14 +61,8 @@ class Mesh final : public Shape {
   Real distance(const Vec3& p, Real limit, Vec3& normal) const override;
   ShapeArguments arguments() const override;
   void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const override;
-  Triangle triangle(std::uint32_t i) const override {
-    const Corners& c = corners_[i];
-    const SurfaceNumber surface = surfaces_.of.empty() ? SurfaceNumber(0) : surfaces_.of[i];
-    Triangle t{vertices_[c.v[0]], vertices_[c.v[1]], vertices_[c.v[2]], flat_[i], surface, {}};
-    for (int k = 0; k < 3; ++k) t.edge_cosine[k] = cosine_[3 * i + static_cast<std::uint32_t>(k)];
-    return t;
-  }
-  std::span<const ShapeSurface> surfaces() const override { return surfaces_.list; }
+  Triangle triangle(std::uint32_t i) const override { return triangles_[i]; }
+  std::span<const ShapeSurface> surfaces() const override { return surfaces_; }
 
  private:
   void find_neighbors();
@@ -84,31 +78,27 @@ class Mesh final : public Shape {
   std::vector<Vec3> vertices_;
   std::vector<Corners> corners_;      // in the order of the hierarchy's leaves
   std::vector<std::uint32_t> given_;  // which of the triangles as they were given
-  std::vector<std::uint8_t> flat_;    // Triangle::flat_edges
-  std::vector<Real> cosine_;          // Triangle::edge_cosine
-  std::vector<Aabb> boxes_;           // of the triangles
-  TriangleSurfaces surfaces_;
+  std::vector<Triangle> triangles_;   // all of one in one place: contacts read it at once
+  std::vector<ShapeSurface> surfaces_;
   Arena arena_{"mesh"};
   BoxTree tree_{arena_};
 };
 
 Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleSurfaces surfaces)
-    : Shape("mesh", false), vertices_(std::move(vertices)), corners_(std::move(triangles)),
-      surfaces_(std::move(surfaces)) {
-  const std::vector<SurfaceNumber> given_surfaces = surfaces_.of;
-  const std::vector<Corners> given = corners_;
+    : Shape("mesh", false), vertices_(std::move(vertices)), surfaces_(std::move(surfaces.list)) {
   std::vector<Aabb> boxes;
-  boxes.reserve(given.size()), boxes_.reserve(given.size());
-  for (const Corners& c : given) boxes.push_back(box_of(c));
+  boxes.reserve(triangles.size());
+  for (const Corners& c : triangles) boxes.push_back(box_of(c));
   tree_.build(boxes);
-  std::size_t at = 0;
-  for (const std::uint32_t i : tree_.order()) {
-    corners_[at++] = given[i];
-    given_.push_back(i);
-    if (!given_surfaces.empty()) surfaces_.of[at - 1] = given_surfaces[i];
-    boxes_.push_back(boxes[i]);
+  given_.assign(tree_.order().begin(), tree_.order().end());
+  corners_.reserve(given_.size()), triangles_.reserve(given_.size());
+  for (const std::uint32_t i : given_) {
+    const Corners& c = triangles[i];
+    corners_.push_back(c);
+    const SurfaceNumber surface = surfaces.of.empty() ? SurfaceNumber(0) : surfaces.of[i];
+    triangles_.push_back({vertices_[c.v[0]], vertices_[c.v[1]], vertices_[c.v[2]], 0, surface, {-1, -1, -1}});
   }
-  tree_.number_in_order(boxes_);
+  tree_.number_in_order();
   find_neighbors();
 }
 
@@ -122,8 +112,6 @@ void Mesh::find_neighbors() {
       const std::uint32_t a = corners_[i].v[k], b = corners_[i].v[(k + 1) % 3];
       edges[{std::min(a, b), std::max(a, b)}].push_back({i, k});
     }
-  flat_.assign(corners_.size(), 0);
-  cosine_.assign(3 * corners_.size(), Real(-1));
   for (const auto& [key, sides] : edges) {
     if (sides.size() != 2) continue;  // borders, and edges of three or more triangles, stay sharp
     for (int s = 0; s < 2; ++s) {
@@ -135,9 +123,11 @@ void Mesh::find_neighbors() {
       const Vec3 away = cross(far - p, q - p);  // as long as the distance to the edge, times the edge
       const Real sine = dot(n, far - p) * length(q - p) / length(away);
       const bool outward = dot(cross(q - p, n), far - p) > 0;  // else folded back over the triangle
-      if (sine > (outward ? -kFlatSine : kFlatSine)) flat_[own.triangle] |= std::uint8_t(1u << own.edge);
-      if (sine < (outward ? kFlatSine : -kFlatSine)) flat_[own.triangle] |= std::uint8_t(8u << own.edge);
-      cosine_[3 * own.triangle + own.edge] = outward ? std::abs(dot(n, m)) : -std::abs(dot(n, m));
+      if (sine > (outward ? -kFlatSine : kFlatSine))
+        triangles_[own.triangle].flat_edges |= std::uint8_t(1u << own.edge);
+      if (sine < (outward ? kFlatSine : -kFlatSine))
+        triangles_[own.triangle].flat_edges |= std::uint8_t(8u << own.edge);
+      triangles_[own.triangle].edge_cosine[own.edge] = outward ? std::abs(dot(n, m)) : -std::abs(dot(n, m));
     }
   }
 }
@@ -146,9 +136,10 @@ ShapeArguments Mesh::arguments() const {
   ShapeArguments out{.points = vertices_, .triangles = std::vector<std::uint32_t>(3 * corners_.size())};
   for (std::size_t k = 0; k < corners_.size(); ++k)
     std::copy_n(corners_[k].v, 3, out.triangles.begin() + 3 * static_cast<std::ptrdiff_t>(given_[k]));
-  out.surfaces = surfaces_.list;
-  out.triangle_surfaces.resize(surfaces_.of.size());
-  for (std::size_t k = 0; k < surfaces_.of.size(); ++k) out.triangle_surfaces[given_[k]] = surfaces_.of[k];
+  out.surfaces = surfaces_;
+  if (surfaces_.empty()) return out;
+  out.triangle_surfaces.resize(triangles_.size());
+  for (std::size_t k = 0; k < triangles_.size(); ++k) out.triangle_surfaces[given_[k]] = triangles_[k].surface;
   return out;
 }
 

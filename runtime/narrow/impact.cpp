@@ -19,6 +19,8 @@ constexpr int kMaxAdvances = 48;
 constexpr Real kArrived =
     Real(1) / 64;  // of the core's distance from the surface of the shape: as near as this is a hit
 
+constexpr Real kAround = 8 * kEpsilon;  // what rounding may move a place by, of its distance from the origin
+
 constexpr Real kBallScales[] = {Real(0.4), Real(0.02)};  // of the least half width: balls that are looked at instead
 
 enum class Advance : std::uint8_t { hit, miss, unfinished };
@@ -30,7 +32,7 @@ struct Mover {
   Real reach;  // of the shape from its owner's centre of mass, m
 };
 
-Real reach_of(const Sweep& s) { return s.turn.isZero(0) ? Real(0) : s.shape->extent(to_local(s.local, Vec3::Zero())); }
+Real reach_of(const Sweep& s) { return s.turn.isZero(0) ? Real(0) : s.extent; }
 
 // Distance of a convex `a` from b at one time, and the normal from a to b: what advances differ in.
 struct Apart {
@@ -89,9 +91,9 @@ struct Pair {
   const Sweep& a;
   const Sweep& b;
   Real begin, target;
-  Impact hit;            // earliest so far; time = end of the search
-  Vec3 center;           // of the core
-  Real half_width = -1;  // of the shape; negative: not asked for yet
+  Impact hit;                  // earliest so far; time = end of the search
+  Vec3 center = Vec3::Zero();  // of the core
+  Real half_width = -1;        // of the shape; negative: not asked for yet
   bool found = false;
 
   // how far the core is inside the shape
@@ -189,7 +191,36 @@ bool stays_off(const CoreWay& w, const Triangle& t) {
   return true;
 }
 
+// A few triangles of a mesh, or the word that there are more.
+struct FewTriangles {
+  static constexpr int kMost = 24;
+  int count = 0;
+  std::uint32_t index[kMost];
+
+  static void add(void* list, std::uint32_t i) {
+    FewTriangles& few = *static_cast<FewTriangles*>(list);
+    if (few.count < kMost) few.index[few.count] = i;
+    ++few.count;
+  }
+};
+
+// The triangles of a mesh at rest where the shape may be at any rotation: mostly none.
+FewTriangles triangles_around(const Pair& p) {
+  const Pose mesh = p.b.at(0);
+  Aabb box;
+  for (const Real t : {p.begin, p.hit.time}) box.include(to_local(mesh, p.a.from.position + t * p.a.shift));
+  box.grow(p.a.extent + kAround * (length(box.lo) + length(box.hi)));
+  FewTriangles few;
+  p.b.shape->triangles_in(box, FewTriangles::add, &few);
+  return few;
+}
+
 void meet_mesh(Pair& p) {
+  FewTriangles near;
+  near.count = FewTriangles::kMost + 1;
+  if (p.b.turn.isZero(0) && p.b.shift.isZero(0)) near = triangles_around(p);
+  if (near.count == 0) return;
+  p.center = inner_point(*p.a.shape);
   struct Visit {
     Pair& p;
     CoreWay way;
@@ -198,23 +229,28 @@ void meet_mesh(Pair& p) {
   const auto each = [](void* context, std::uint32_t index) {
     Visit& v = *static_cast<Visit*>(context);
     const Triangle t = v.p.b.shape->triangle(index);
-    if (stays_off(v.way, t)) return;
+    Aabb box;
+    for (const Vec3& corner : {t.a, t.b, t.c}) box.include(corner);
+    if (!overlaps(box, v.way.box) || stays_off(v.way, t)) return;
     const Vec3 corners[3] = {t.a, t.b, t.c};
     meet_convex(v.p, Convex(corners, 3), v.reach);
   };
-  p.b.shape->triangles_in(visit.way.box, each, &visit);
+  if (near.count > FewTriangles::kMost) return p.b.shape->triangles_in(visit.way.box, each, &visit);
+  for (int k = 0; k < near.count; ++k) each(&visit, near.index[k]);
 }
 
 }  // namespace
 
 Impact time_of_impact(const Sweep& a, const Sweep& b, Real begin, Real end, Real target) {
   FEDER_ASSERT(a.shape->convex() && begin >= 0 && begin <= end);
-  Pair p{.a = a, .b = b, .begin = begin, .target = target, .hit = {.time = end}, .center = inner_point(*a.shape)};
+  Pair p{.a = a, .b = b, .begin = begin, .target = target, .hit = {.time = end}};
   Vec3 normal;
   Real distance;
+  const bool half_space = b.shape->half_space(normal, distance);
+  if (b.shape->convex() || half_space) p.center = inner_point(*a.shape);
   if (b.shape->convex())
     meet_convex(p, Convex(*b.shape), reach_of(b));
-  else if (b.shape->half_space(normal, distance))
+  else if (half_space)
     meet(p, Mover{b, Convex(nullptr, 0), 0}, [&b](const Mover& m) { return PlaneApart{m, b}; });
   else
     meet_mesh(p);

@@ -12,6 +12,7 @@ struct Sweep {
   Pose local;  // in the owner's centre-of-mass frame
   Pose from;   // of that frame at the start of the step
   Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();
+  Real extent = kInfinity;  // of the shape from that centre of mass, m
 
   Pose owner_at(Real t) const {  // t: fraction of the step
     const bool turns = !turn.isZero(0);

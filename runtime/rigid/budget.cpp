@@ -184,17 +184,22 @@ const Real* Rigid::Impl::carried_weights(std::span<const Pile> piles, StepContex
   for (const std::uint32_t i : moving) sum[i] = next[i] = supports[i] = 0;
   for (const Pile& pile : piles)
     if (bodies.moves(pile.upper)) supports[pile.upper] += 1;
-  const auto each_lower = [&](auto&& f) {
-    for (const Pile& pile : piles)
-      if (bodies.moves(pile.upper) && bodies.moves(pile.lower)) f(pile);
+  struct Stacked {
+    std::uint32_t upper, lower;
+    Real weight, supports;  // of the upper one
   };
+  Stacked* stacked = c.scratch->take<Stacked>(piles.size());
+  std::size_t count = 0;
+  for (const Pile& pile : piles)
+    if (bodies.moves(pile.upper) && bodies.moves(pile.lower))
+      stacked[count++] = {pile.upper, pile.lower, weight_of(pile), supports[pile.upper]};
+  const std::span<const Stacked> all(stacked, count);
   bool changes = true;
   for (int tier = 0; changes && tier < kTiers; ++tier) {
-    each_lower([&](const Pile& pile) { next[pile.lower] = 0; });
-    each_lower(
-        [&](const Pile& pile) { next[pile.lower] += (weight_of(pile) + sum[pile.upper]) / supports[pile.upper]; });
+    for (const Stacked& s : all) next[s.lower] = 0;
+    for (const Stacked& s : all) next[s.lower] += (s.weight + sum[s.upper]) / s.supports;
     changes = false;
-    each_lower([&](const Pile& pile) { changes = changes || next[pile.lower] != sum[pile.lower]; });
+    for (const Stacked& s : all) changes = changes || next[s.lower] != sum[s.lower];
     std::swap(sum, next);
   }
   return sum;

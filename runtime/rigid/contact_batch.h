@@ -86,6 +86,8 @@ struct ContactPass {
   unsigned odd;                  // 1 in every second substep
   unsigned all_strike;           // 1: impacts without restitution, too, are strikes
   const unsigned char* jointed;  // by solver index: on a joint
+  unsigned char* struck;         // by solver index: the last wave of strikes that changed its velocity; null: mark all
+  unsigned char wave;            // of the strikes that come, or that come after `mark`; from 1 on
 };
 
 struct ContactKernels {

@@ -14,6 +14,7 @@ namespace {
 
 constexpr Real kPieceExtents = 8;             // length of a piece, of the body's extent
 constexpr int kMostPieces = 64;               // longer pieces beyond
+constexpr Real kRound = Real(1.001);          // an extent over the half width up to here: a ball
 constexpr std::size_t kMostObstacles = 2048;  // in a step, of one body
 
 Pose at_time(const OwnerMotion& m, Real t) {
@@ -34,19 +35,29 @@ bool Rigid::Impl::is_fast(std::uint32_t p) const {
   const std::uint32_t i = moving[p];
   if (bodies.type[i] != BodyType::dynamic) return false;
   const SolverBody& s = solver_bodies.state[p + 1];
-  const Real turn = bodies.extent[i] * bodies.extent[i] * dot(s.delta_rotation, s.delta_rotation);
-  return 2 * (dot(s.delta_position, s.delta_position) + turn) > core_depth[i] * core_depth[i];
+  const Real depth = core_depth[i], extent = bodies.extent[i];
+  const bool ball = extent * kCoreDepth < depth * kRound;  // rotation moves nothing
+  const Real shift = dot(s.delta_position, s.delta_position);
+  const Real turn = ball ? 0 : extent * extent * dot(s.delta_rotation, s.delta_rotation);
+  return 2 * (shift + turn) > depth * depth && std::sqrt(shift) + std::sqrt(turn) > depth;
 }
 
 // Looks for what collider `k` of the body meets from `begin` to `end`; keeps the earliest.
 void Rigid::Impl::sweep_collider(std::uint32_t i, std::uint32_t k, const OwnerMotion& motion, Real begin, Real end,
                                  Array<std::uint32_t>& found, FastStop& stop) {
+  // where it may be at any rotation: most have nothing there
+  Aabb around;
+  for (const Real t : {begin, end}) around.include(motion.from.position + t * motion.shift);
+  around.grow(bodies.extent[i] + kContactMargin);
+  collide.obstacles(k, around, bodies.bullet[i] != 0, found);
+  if (found.empty()) return;
   const Pose from = at_time(motion, begin) * colliders.local[k], to = at_time(motion, end) * colliders.local[k];
   Aabb box = colliders.shape[k]->bounds(from);
   box.include(colliders.shape[k]->bounds(to));
   const Real arc = std::min(length(motion.turn) * (end - begin), Real(2)) * bodies.extent[i];
   box.grow(arc + kContactMargin);
-  collide.obstacles(k, box, bodies.bullet[i] != 0, found);
+  const auto off = [&](std::uint32_t other) { return !overlaps(colliders.box[other], box); };
+  found.erase(std::remove_if(found.begin(), found.end(), off), found.end());
   stop.obstacles += found.size();
   if (stop.obstacles > kMostObstacles) {
     stop.time = begin, stop.other = kNone;

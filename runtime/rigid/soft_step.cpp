@@ -145,8 +145,9 @@ class SoftStep final : public RigidSolver {
   WideMass* masses_ = nullptr;       // those of shared_
   std::uint8_t* turned_ = nullptr;   // by solver index: contacts do not see its inertia now
   std::uint8_t* jointed_ = nullptr;  // by solver index: on a joint
-  Real* before_ = nullptr;           // velocities before the contacts of the substep, 6 per solver body
-  Real* contact_change_ = nullptr;   // velocity change by contacts in the last substep, 6 per solver body
+  std::uint8_t* struck_ = nullptr;  // by solver index: the last wave of strikes in the substep; where something bounces
+  Real* before_ = nullptr;          // velocities before the contacts of the substep, 6 per solver body
+  Real* contact_change_ = nullptr;  // velocity change by contacts in the last substep, 6 per solver body
   Real* kept_ = nullptr;            // of bodies in pieces: velocities at the end of the last substep, 6 per solver body
   Real* push_ = nullptr;            // and what changed them since, per piece
   Vec3d* kept_momentum_ = nullptr;  // of uneven jointed bodies: angular momenta likewise, N m s
@@ -290,6 +291,7 @@ void SoftStep::prepare_joints(Group& g, const SolverInput& in, StepContext& c) {
 }
 
 void SoftStep::prepare_contacts(const SolverInput& in, StepContext& c) {
+  struck_ = nullptr;
   for (Group& g : groups_) {
     if (!g.used()) continue;
     const ContactPass p = pass(g, {c.h / static_cast<Real>(g.pieces()), true, 0}, in, c);
@@ -301,6 +303,7 @@ void SoftStep::prepare_contacts(const SolverInput& in, StepContext& c) {
     });
     const bool bounces = g.contacts.any_bounces();
     if (bounces || (!g.joints.empty() && !g.contacts.empty())) g.contacts.expect_strikes(c, bounces);
+    if (bounces && !struck_) struck_ = c.scratch->take<std::uint8_t>(body_count_);
   }
 }
 
@@ -380,9 +383,12 @@ void SoftStep::report_corrections(const Group& g, const Piece& piece, const Solv
 void SoftStep::strike(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
   SolverBody* state = in.solver_bodies->state.data();
   if (piece.first) each_body(g, c, [&](std::uint32_t i) { end_velocity(i, state[i]); });
-  const ContactPass p = pass(g, piece, in, c);
+  ContactPass p = pass(g, piece, in, c);
+  p.struck = struck_;
+  std::fill_n(struck_, body_count_, std::uint8_t(0));
   bool acted = false;
-  for (int wave = 0; wave < kStrikeWaves; ++wave) {
+  for (int wave = 1; wave <= kStrikeWaves; ++wave) {
+    p.wave = static_cast<std::uint8_t>(wave);
     g.contacts.run(kernels_->mark, p, *c.jobs);
     if (!g.contacts.any_strikes(false)) break;
     acted = true;

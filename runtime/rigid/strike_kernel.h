@@ -6,13 +6,37 @@
 namespace feder {
 namespace {
 
+// Has the last wave of strikes changed a velocity of this batch?
+bool was_struck(const ContactPass& p, const ContactBatch& c) {
+  const unsigned char last = static_cast<unsigned char>(p.wave - 1);
+  unsigned any = 0;
+  for (int k = 0; k < kLanes; ++k)
+    any |= unsigned(p.struck[c.index_a[k]] == last) | unsigned(p.struck[c.index_b[k]] == last);
+  return any != 0;
+}
+
+// Those that strike do.
+void note_struck(const ContactPass& p, const ContactBatch& c, const StrikeBatch& strike) {
+  Lanes most = zero_lanes();
+  for (unsigned j = 0; j < c.points; ++j) most = min(most, load(strike.approach[j]));
+  Lane8 speed;
+  store(speed, most);
+  for (int k = 0; k < kLanes; ++k) {
+    if (!(speed.v[k] < 0)) continue;
+    if (c.writes_a >> k & 1u) p.struck[c.index_a[k]] = p.wave;
+    if (c.writes_b >> k & 1u) p.struck[c.index_b[k]] = p.wave;
+  }
+}
+
 // Which points strike now: with restitution (or all), faster than bounce_speed, and in contact before the substep ends.
+// After the first wave only what that has changed, or has marks that must go, is looked at.
 void mark_strikes(const ContactPass& p) {
   const Lanes zero = zero_lanes(), one = all_lanes(1), h = all_lanes(p.h);
   for (unsigned i = p.first; i < p.last; ++i) {
     if (!p.sides[i].bounces && !p.all_strike) continue;
     const ContactBatch& c = p.batches[i];
     StrikeBatch& strike = p.strikes[i];
+    if (p.struck && p.wave > 1 && !strike.acts && !was_struck(p, c)) continue;
     Sides s;
     gather_velocity(p, c, s);
     gather_displacement(p, c, s);
@@ -138,6 +162,7 @@ void strike_batches(const ContactPass& p) {
     push(c, s, n * sum, angular_a, angular_b);
     strike_friction(c, strike, held, s);
     write_back(p, c, s);
+    note_struck(p, c, strike);
   }
 }
 
