@@ -133,6 +133,22 @@ void AabbTree::build(std::span<std::uint32_t> items, const Array<Aabb>& boxes, A
   if (!items.empty()) root_ = build_node(items, boxes, leaf_of);
 }
 
+void AabbTree::refit(const Array<Aabb>& boxes) {
+  inner_.clear();
+  inner_.reserve(nodes_.size());
+  if (leaves_ > 1) inner_.push_back(root_);
+  for (std::size_t k = 0; k < inner_.size(); ++k)
+    for (const std::uint32_t child : nodes_[inner_[k]].child)
+      if (!nodes_[child].leaf()) inner_.push_back(child);
+  if (leaves_ == 1) nodes_[root_].box = boxes[nodes_[root_].child[1]];
+  for (std::size_t k = inner_.size(); k-- > 0;) {
+    Node& node = nodes_[inner_[k]];
+    for (const std::uint32_t child : node.child)
+      if (nodes_[child].leaf()) nodes_[child].box = boxes[nodes_[child].child[1]];
+    node.box = joined(nodes_[node.child[0]].box, nodes_[node.child[1]].box);
+  }
+}
+
 std::uint32_t AabbTree::build_node(std::span<std::uint32_t> items, const Array<Aabb>& boxes,
                                    Array<std::uint32_t>& leaf_of) {
   const std::uint32_t node = take();

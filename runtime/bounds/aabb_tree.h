@@ -16,7 +16,7 @@ namespace feder {
 
 class AabbTree {
  public:
-  explicit AabbTree(Arena& arena) : nodes_(&arena) {}
+  explicit AabbTree(Arena& arena) : nodes_(&arena), inner_(&arena) {}
 
   std::uint32_t leaves() const { return leaves_; }
   // The node of a new leaf that holds `item`.
@@ -26,6 +26,9 @@ class AabbTree {
 
   // Drops all leaves and makes one per item. `leaf_of[item]` receives the node. Reorders `items`.
   void build(std::span<std::uint32_t> items, const Array<Aabb>& boxes, Array<std::uint32_t>& leaf_of);
+
+  // The same leaves with other boxes, by item. Neighbours in the tree stay neighbours: build() now and then.
+  void refit(const Array<Aabb>& boxes);
 
   // Calls visit(item) for every leaf whose box overlaps `box`, in no particular order.
   template <class Visit>
@@ -80,6 +83,7 @@ class AabbTree {
   std::uint32_t build_node(std::span<std::uint32_t> items, const Array<Aabb>& boxes, Array<std::uint32_t>& leaf_of);
 
   Array<Node> nodes_;
+  Array<std::uint32_t> inner_;  // nodes with children, each after its parent, while boxes are refitted
   std::uint32_t root_ = kNone;
   std::uint32_t free_ = kNone;
   std::uint32_t leaves_ = 0;

@@ -3,6 +3,7 @@
 #include <compare>
 #include <span>
 
+#include "base/jobs.h"
 #include "base/registry.h"
 #include "feder/memory.h"
 #include "feder/types.h"
@@ -28,8 +29,9 @@ class BroadPhase {
 
   // Replaces the content of `pairs`. The one virtual call of a step; loops inside stay concrete. `touched`: ascending,
   // the boxes that may differ from the last call in place or motion, and all that move; the others are as they were.
+  // The same pairs for any number of threads.
   virtual void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion,
-                          std::span<const std::uint32_t> touched, Array<IndexPair>& pairs) = 0;
+                          std::span<const std::uint32_t> touched, Array<IndexPair>& pairs, JobPool& jobs) = 0;
 
   // Boxes of the last find_pairs() that overlap `box` / are hit by the segment, ascending; replaces `found`.
   // query_still(): all still ones that do, and perhaps some that move.

@@ -13,7 +13,7 @@ class BruteForce final : public BroadPhase {
   explicit BruteForce(Arena& arena) : boxes_(&arena), motion_(&arena) {}
 
   void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, std::span<const std::uint32_t>,
-                  Array<IndexPair>& pairs) override {
+                  Array<IndexPair>& pairs, JobPool&) override {
     boxes_.assign(boxes.begin(), boxes.end());
     motion_.assign(motion.begin(), motion.end());
     pairs.clear();

@@ -19,7 +19,7 @@ class SweepPrune final : public BroadPhase {
   explicit SweepPrune(Arena& arena) : boxes_(&arena), order_(&arena), listed_(&arena), sorter_(arena) {}
 
   void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, std::span<const std::uint32_t>,
-                  Array<IndexPair>& pairs) override {
+                  Array<IndexPair>& pairs, JobPool&) override {
     boxes_.assign(boxes.begin(), boxes.end());
     enlist(motion);
     choose_axis();

@@ -7,7 +7,8 @@
 // lies still costs nothing.
 // The exact test also makes the result independent of history, although fat boxes are not.
 // Boxes that are unbounded, empty or NaN stay in a side list and are tested against everything.
-// Weak spot: when most boxes leave their fat boxes in each call, trees are rebuilt and everything is queried again.
+// When many leave theirs, the tree is refitted, and built anew now and then.
+// Weak spot: when most boxes leave their fat boxes in each call, everything is queried again.
 #include <algorithm>
 
 #include "bounds/aabb_tree.h"
@@ -20,6 +21,9 @@ namespace {
 // number of candidates hardly grows; plus this many steps of the last motion, which pays for boxes on their way.
 constexpr Real kFatMargin = Real(0.1);
 constexpr Real kFatSteps = 4;
+constexpr int kMostRefits = 8;  // of a tree between two builds: more do not help in a drum that turns
+
+constexpr JobGrain kQueryGrain{64, 15'000}, kPairGrain{2048, 8'000};  // boxes; pairs
 
 enum Location : std::uint8_t { kNowhere, kSide, kStillTree, kMovingTree };
 
@@ -32,19 +36,19 @@ struct Leaf {
 class Tree final : public BroadPhase {
  public:
   explicit Tree(Arena& arena)
-      : boxes_(&arena), fat_(&arena), leaves_(&arena), nodes_(&arena), side_(&arena), changed_(&arena), items_(&arena),
-        transfers_(&arena), candidates_(&arena), found_(&arena), merged_(&arena), side_pairs_(&arena), sorter_(arena),
-        still_(arena), moving_(arena) {}
+      : arena_(&arena), boxes_(&arena), fat_(&arena), leaves_(&arena), nodes_(&arena), side_(&arena), changed_(&arena),
+        items_(&arena), transfers_(&arena), candidates_(&arena), found_(&arena), merged_(&arena), side_pairs_(&arena),
+        in_block_(&arena), sorter_(arena), still_(arena), moving_(arena) {}
 
   void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion,
-                  std::span<const std::uint32_t> touched, Array<IndexPair>& pairs) override {
+                  std::span<const std::uint32_t> touched, Array<IndexPair>& pairs, JobPool& jobs) override {
     update_leaves(boxes, motion, touched);
-    if (!changed_.empty()) query_changed();
-    if (!transfers_.empty()) merge_candidates();
+    if (!changed_.empty()) query_changed(jobs);
+    if (!transfers_.empty()) merge_candidates(jobs);
     boxes_.resize(boxes.size());
     for (const std::uint32_t i : touched) boxes_[i] = boxes[i];
     pair_side(boxes, motion, touched);
-    write_pairs(boxes, pairs);
+    write_pairs(boxes, pairs, jobs);
   }
 
   void query(const Aabb& box, Array<std::uint32_t>& found) const override {
@@ -131,12 +135,25 @@ class Tree final : public BroadPhase {
     };
     for (const std::uint32_t i : touched) update(i);
     for (std::uint32_t i = count; i < leaves_.size(); ++i) update(i);
-    // inserting one by one costs about ten times as much per leaf as building
-    if (transfers_.size() > still_.leaves() / 8 + moving_.leaves() / 8 + 64) {
-      rebuild();
-    } else {
-      for (const Transfer& c : transfers_) transfer(c.box, c.location);
-    }
+    place_leaves();
+  }
+
+  // Inserting one by one costs about ten times as much per leaf as building, and that ten times as much as refitting.
+  void place_leaves() {
+    const std::size_t many = still_.leaves() / 8 + moving_.leaves() / 8 + 64;
+    const auto stays = [&](const Transfer& c) {
+      return c.location == kMovingTree && leaves_[c.box].location == kMovingTree;
+    };
+    const auto staying = static_cast<std::size_t>(std::count_if(transfers_.begin(), transfers_.end(), stays));
+    if (transfers_.size() - staying > many) return rebuild();
+    const bool refit = transfers_.size() > many;
+    for (const Transfer& c : transfers_)
+      if (!refit || !stays(c)) transfer(c.box, c.location);
+    if (!refit) return;
+    if (++refits_ < kMostRefits) return moving_.refit(fat_);
+    refits_ = 0;
+    list_location(kMovingTree, items_);
+    moving_.build(items_, fat_, nodes_);
   }
 
   void transfer(std::uint32_t i, Location location) {
@@ -164,32 +181,66 @@ class Tree final : public BroadPhase {
   }
 
   // All candidates with a member in changed_, each once: of two changed boxes the lower index reports.
-  void query_changed() {
+  void query_changed(JobPool& jobs) {
     found_.clear();
-    for (const std::uint32_t i : changed_) {
-      if (leaves_[i].location <= kSide) continue;
-      const auto visit = [&](std::uint32_t j) {
-        if (j == i || (leaves_[j].changed && j < i)) return;
-        found_.push_back({std::min(i, j), std::max(i, j)});
-      };
-      moving_.query(fat_[i], visit);
-      if (leaves_[i].location == kMovingTree) still_.query(fat_[i], visit);
-    }
+    while (found_by_.size() < static_cast<std::size_t>(jobs.threads())) found_by_.emplace_back(arena_);
+    for (Array<IndexPair>& found : found_by_) found.clear(), found.reserve(found_.capacity());
+    const auto count = static_cast<std::uint32_t>(changed_.size());
+    jobs.for_blocks(count, kQueryGrain, [&](std::uint32_t first, std::uint32_t last, int worker) {
+      Array<IndexPair>& found = found_by_[static_cast<std::size_t>(worker)];
+      for (std::uint32_t n = first; n < last; ++n) query_box(changed_[n], found);
+    });
+    for (const Array<IndexPair>& found : found_by_) found_.insert(found_.end(), found.begin(), found.end());
     sorter_.sort(found_, static_cast<std::uint32_t>(leaves_.size()));
   }
 
-  void merge_candidates() {
-    merged_.clear();
-    if (changed_.empty()) found_.clear();
-    std::size_t n = 0;
-    for (const IndexPair& p : candidates_) {
-      if (leaves_[p.a].changed || leaves_[p.b].changed || !one_moves(p)) continue;
-      while (n < found_.size() && found_[n] < p) merged_.push_back(found_[n++]);
-      merged_.push_back(p);
+  void query_box(std::uint32_t i, Array<IndexPair>& found) const {
+    if (leaves_[i].location <= kSide) return;
+    const auto visit = [&](std::uint32_t j) {
+      if (j == i || (leaves_[j].changed && j < i)) return;
+      found.push_back({std::min(i, j), std::max(i, j)});
+    };
+    moving_.query(fat_[i], visit);
+    if (leaves_[i].location == kMovingTree) still_.query(fat_[i], visit);
+  }
+
+  // Those candidates for which stays(pair), in their order, in parts of merged_: kPairGrain.items apart, as long as
+  // in_block_ says.
+  template <class F>
+  void filter_candidates(JobPool& jobs, F&& stays) {
+    const auto count = static_cast<std::uint32_t>(candidates_.size());
+    merged_.resize(count);
+    in_block_.resize(count / kPairGrain.items + 1);
+    jobs.for_blocks(count, kPairGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      std::uint32_t end = first;
+      for (std::uint32_t n = first; n < last; ++n)
+        if (stays(candidates_[n])) merged_[end++] = candidates_[n];
+      in_block_[first / kPairGrain.items] = end - first;
+    });
+  }
+  // These, merged with other pairs, all sorted, to `out`.
+  void merge_filtered(const Array<IndexPair>& others, Array<IndexPair>& out) const {
+    const auto count = static_cast<std::uint32_t>(merged_.size());
+    out.clear();
+    auto other = others.begin();
+    for (std::uint32_t first = 0; first < count; first += kPairGrain.items) {
+      const IndexPair* p = merged_.data() + first;
+      const IndexPair* const end = p + in_block_[first / kPairGrain.items];
+      for (; other != others.end() && p != end; ++p) {
+        while (other != others.end() && *other < *p) out.push_back(*other++);
+        out.push_back(*p);
+      }
+      out.insert(out.end(), p, end);
     }
-    merged_.insert(merged_.end(), found_.begin() + static_cast<std::ptrdiff_t>(n), found_.end());
-    candidates_.swap(merged_);
-    merged_.reserve(candidates_.capacity());  // both grow together, so that a swap never allocates later
+    out.insert(out.end(), other, others.end());
+  }
+
+  void merge_candidates(JobPool& jobs) {
+    if (changed_.empty()) found_.clear();
+    filter_candidates(
+        jobs, [&](const IndexPair& p) { return !leaves_[p.a].changed && !leaves_[p.b].changed && one_moves(p); });
+    merge_filtered(found_, candidates_);
+    merged_.reserve(candidates_.capacity());  // both grow together, so that nothing allocates later
     for (const std::uint32_t i : changed_) leaves_[i].changed = 0;
   }
 
@@ -217,17 +268,12 @@ class Tree final : public BroadPhase {
   }
 
   // The candidates that really overlap, merged with the pairs of the side list.
-  void write_pairs(std::span<const Aabb> boxes, Array<IndexPair>& pairs) const {
-    pairs.clear();
-    std::size_t n = 0;
-    for (const IndexPair& p : candidates_) {
-      if (!overlaps(boxes[p.a], boxes[p.b]) || !one_moves(p)) continue;
-      while (n < side_pairs_.size() && side_pairs_[n] < p) pairs.push_back(side_pairs_[n++]);
-      pairs.push_back(p);
-    }
-    pairs.insert(pairs.end(), side_pairs_.begin() + static_cast<std::ptrdiff_t>(n), side_pairs_.end());
+  void write_pairs(std::span<const Aabb> boxes, Array<IndexPair>& pairs, JobPool& jobs) {
+    filter_candidates(jobs, [&](const IndexPair& p) { return overlaps(boxes[p.a], boxes[p.b]) && one_moves(p); });
+    merge_filtered(side_pairs_, pairs);
   }
 
+  Arena* arena_;
   Array<Aabb> boxes_;  // of the last call
   Array<Aabb> fat_;
   Array<Leaf> leaves_;
@@ -235,7 +281,10 @@ class Tree final : public BroadPhase {
   Array<std::uint32_t> side_, changed_, items_;
   Array<Transfer> transfers_;
   Array<IndexPair> candidates_, found_, merged_, side_pairs_;
+  std::vector<Array<IndexPair>> found_by_;  // by worker
+  Array<std::uint32_t> in_block_;           // pairs that stay
   PairSort sorter_;
+  int refits_ = 0;  // since the tree was built
   AabbTree still_, moving_;
 };
 

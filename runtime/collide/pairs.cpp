@@ -106,12 +106,12 @@ void Collide::Impl::compare_motion(std::uint32_t i) {
   if (moving && !c.awake[i] && c.motion[i] != ColliderMotion::dynamic) scenery_changed = true;
 }
 
-void Collide::Impl::find_pairs(StepContext&) {
+void Collide::Impl::find_pairs(StepContext& step) {
   if (recheck_filters)
     for (std::uint32_t i = 0; i < colliders->size(); ++i) take_resting(i);
   compare_colliders();
   FEDER_ASSERT(colliders->box.size() == motion.size());
-  broad->find_pairs(colliders->box, motion, examined, pairs);
+  broad->find_pairs(colliders->box, motion, examined, pairs, *step.jobs);
 }
 
 // Does the sensor i leave the collider out, because that is scenery?

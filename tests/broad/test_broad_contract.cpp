@@ -99,6 +99,7 @@ std::vector<std::uint32_t> all_of(const Scene& s) { return touched_since({}, s);
 struct Fixture {
   Arena arena{"broad"};
   Params params;
+  JobPool jobs;
   Array<IndexPair> pairs{&arena};
   Array<std::uint32_t> found{&arena};
 };
@@ -121,7 +122,7 @@ TEST_CASE("broad phase finds exactly the overlapping pairs, sorted", "[broad][co
   const auto broad = variant.make(f.arena, f.params);
   const Scene s = random_scene(rng, layout, count);
   f.pairs.push_back({3, 4});  // replaced, not kept
-  broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs);
+  broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs, f.jobs);
   REQUIRE(list(f.pairs) == oracle(s));
 }
 
@@ -139,7 +140,7 @@ TEST_CASE("broad phase stays exact over a long history", "[broad][contract]") {
   Scene last;
   for (int call = 0; call < 120 && equal; ++call) {
     CAPTURE(call);
-    broad->find_pairs(s.boxes, s.motion, touched_since(last, s), f.pairs);
+    broad->find_pairs(s.boxes, s.motion, touched_since(last, s), f.pairs, f.jobs);
     last = s;
     equal = list(f.pairs) == oracle(s);
     REQUIRE(equal);
@@ -147,7 +148,7 @@ TEST_CASE("broad phase stays exact over a long history", "[broad][contract]") {
       // a newcomer without that history gives the same
       const auto other = variant.make(f.arena, f.params);
       Array<IndexPair> again(&f.arena);
-      other->find_pairs(s.boxes, s.motion, all_of(s), again);
+      other->find_pairs(s.boxes, s.motion, all_of(s), again, f.jobs);
       fresh_equal = fresh_equal && list(again) == list(f.pairs);
     }
     disturb(rng, layout, s, drift);
@@ -166,7 +167,7 @@ TEST_CASE("broad phase queries equal a linear scan", "[broad][contract]") {
   Scene s = random_scene(rng, layout, 150);
   std::size_t hits = 0;
   for (int call = 0; call < 60; ++call) {
-    broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs);
+    broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs, f.jobs);
     const Aabb box = random_box(rng, layout);
     const Vec3 origin = random_box(rng, layout).lo, end = random_box(rng, layout).hi;
     Vec3 ray = end - origin;
@@ -201,13 +202,13 @@ TEST_CASE("broad phase does not allocate after warm-up", "[broad][contract]") {
   // the busiest call first: everything overlaps everything
   const std::vector<Aabb> spread = s.boxes;
   for (Aabb& b : s.boxes) b = {Vec3::Constant(-1), Vec3::Constant(1)};
-  broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs);
+  broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs, f.jobs);
   s.boxes = spread;
-  broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs);
+  broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs, f.jobs);
   std::fill(s.motion.begin(), s.motion.end(), BoxMotion::still);
-  broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs);
+  broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs, f.jobs);
   std::fill(s.motion.begin(), s.motion.end(), BoxMotion::moving);
-  broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs);
+  broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs, f.jobs);
   const std::uint64_t before = f.arena.allocations();
   for (int call = 0; call < 50; ++call) {
     for (std::size_t i = 0; i < s.boxes.size(); ++i) {
@@ -215,7 +216,7 @@ TEST_CASE("broad phase does not allocate after warm-up", "[broad][contract]") {
       s.boxes[i].lo += d, s.boxes[i].hi += d;
       if (call % 10 == 5) s.motion[i] = below(rng, 2) ? BoxMotion::moving : BoxMotion::still;
     }
-    broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs);
+    broad->find_pairs(s.boxes, s.motion, all_of(s), f.pairs, f.jobs);
   }
   REQUIRE(f.arena.allocations() == before);
 }
