@@ -92,7 +92,7 @@ void Collide::Impl::compare_collider(std::uint32_t i) {
 
 void Collide::Impl::compare_motion(std::uint32_t i) {
   const Colliders& c = *colliders;
-  if (c.motion[i] == ColliderMotion::none) {
+  if (c.motion[i] == ColliderMotion::none || c.meets_nothing(i)) {
     motion[i] = BoxMotion::absent;
     return;
   }

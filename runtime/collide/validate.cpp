@@ -36,6 +36,7 @@ void Collide::Impl::check_unexamined() {
                   std::tie(s.friction_static, s.friction_dynamic, s.restitution, s.rolling_friction) ==
                       std::tie(c.friction_static[i], c.friction_dynamic[i], c.restitution[i], c.rolling_friction[i]) &&
                   s.material == c.material[i] && ((s.bits & kConveyor) != 0) == is_conveyor(i)));
+    if (c.meets_nothing(i) && motion[i] == BoxMotion::absent) continue;
     FEDER_ASSERT(in(examined, i) || (!c.awake[i] && !c.sensor[i] && motion[i] == BoxMotion::still &&
                                      !(s.bits & ~kConveyor) && last.lo == c.box[i].lo && last.hi == c.box[i].hi));
   }

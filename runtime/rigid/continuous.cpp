@@ -83,7 +83,7 @@ void Rigid::Impl::find_stop(std::uint32_t p, Array<std::uint32_t>& found) {
   const int pieces = way > piece * kMostPieces ? kMostPieces : std::max(1, static_cast<int>(std::ceil(way / piece)));
   for (int n = 0; n < pieces && stop.time > 1; ++n)
     each_collider(i, [&](std::uint32_t k) {
-      if (!colliders.sensor[k] && stop.obstacles <= kMostObstacles)
+      if (!colliders.sensor[k] && !colliders.meets_nothing(k) && stop.obstacles <= kMostObstacles)
         sweep_collider(i, k, motion, Real(n) / Real(pieces), Real(n + 1) / Real(pieces), found, stop);
     });
 }

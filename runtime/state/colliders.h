@@ -75,6 +75,7 @@ struct Colliders {
 
   // The body that owns it; kNone: none does.
   std::uint32_t body_of(std::uint32_t i) const { return owner[i] == ColliderOwner::body ? owner_index[i] : kNone; }
+  bool meets_nothing(std::uint32_t i) const { return group[i] == 0 || mask[i] == 0; }
   // A part of a body that a filter of these bits collides with.
   bool meets(std::uint32_t i, std::uint32_t its_group, std::uint32_t its_mask) const {
     return motion[i] != ColliderMotion::none && !sensor[i] && owner[i] == ColliderOwner::body &&
