@@ -1,4 +1,6 @@
 // Contacts: filters, mixing, recycling, waking, sleeping pairs, margins, warm start, exclusions, allocation.
+#include <utility>
+
 #include "broad/broad_phase.h"
 #include "collide/fake_owner.h"
 #include "narrow/narrow_phase.h"
@@ -217,6 +219,13 @@ TEST_CASE("filters: masks, same object, two immovable ones, exclusions", "[colli
   CHECK(contacts() == 0);
   c.mask[ky] = 4;
   CHECK(contacts() == 1);
+  for (Array<std::uint32_t>* bits : {&c.mask, &c.group}) {  // with none at all
+    const std::uint32_t before = std::exchange((*bits)[kx], 0u);
+    CHECK(contacts() == 0);
+    CHECK(contacts() == 0);
+    (*bits)[kx] = before;
+    CHECK(contacts() == 1);
+  }
   const ObjectId ox = w.bodies[x].object, oy = w.bodies[y].object;
   w.collide->exclude(ox, oy);
   w.collide->exclude(oy, ox);
