@@ -217,7 +217,8 @@ struct Rigid::Impl {
   double joint_given(std::uint32_t j, bool edited, const StepContext& c);
   void watch_contacts(const StepContext& c);
   void watch_joints(const StepContext& c);
-  void account(const StepContext& c);
+  void account(const StepContext& c, const Array<std::uint32_t>* of);
+  bool accounted(std::uint32_t root) const { return !accounted_roots || accounted_roots[root]; }
   void watch(const StepContext& c);
   void suspect(std::uint32_t i);
   void edited(std::uint32_t i) {
@@ -351,9 +352,10 @@ struct Rigid::Impl {
   bool cap_warned = false;    // warned of the iteration limit
   bool poses_stale = false;   // collider poses are of the start of the last step
   bool any_candidate = false;
-  bool any_jump = false;    // the watchdog has to look at this step
-  std::uint64_t now = 0;    // next step
-  bool warned_far = false;  // warned of motion lost far from the origin
+  Array<std::uint32_t> jumpers{&arena};     // bodies whose islands the watchdog has to look at in this step
+  std::uint8_t* accounted_roots = nullptr;  // by body, in the scratch memory of the step; null: all
+  std::uint64_t now = 0;                    // next step
+  bool warned_far = false;                  // warned of motion lost far from the origin
 };
 
 }  // namespace feder

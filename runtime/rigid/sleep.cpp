@@ -140,7 +140,7 @@ void Rigid::Impl::measure_motion(StepContext& c) {
     const Vec3 momentum = bodies.inertia[i] * w;
     const Real energy =
         Real(0.5) * (dot(bodies.velocity[i], bodies.velocity[i]) + dot(w, momentum) * bodies.inv_mass[i]);
-    any_jump |= jumps(i, energy, least);
+    if (jumps(i, energy, least)) jumpers.push_back(i);
     const Real mean = energy + (bodies.sleep_energy[i] - energy) * keep;
     const Real low = sleep_energy(bodies, i), restless = kRestless * low, cap = kCap * low;
     bodies.sleep_energy[i] = mean < cap ? mean : cap;
@@ -201,7 +201,7 @@ void Rigid::Impl::update_sleep(StepContext& c) {
     measure_motion(c);
   else
     measure_pace(c);
-  if (any_jump) watch(c);
+  if (!jumpers.empty()) watch(c);
   if (!warned_far) check_far(c);
   if (joint_count > 0 && !gap_warned) check_open_joints(c);
   if (!c.sleeping) return;

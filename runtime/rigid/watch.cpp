@@ -27,14 +27,12 @@ double Rigid::Impl::kinetic_energy(std::uint32_t i, const Quat& rotation, const 
 // Without sleep nothing else measures motion: the speed of the farthest point is enough.
 void Rigid::Impl::measure_pace(const StepContext& c) {
   const Real least = static_cast<Real>(quiet_energy(c));
-  bool any = false;
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic) continue;
     const Vec3 &v = bodies.velocity[i], &w = bodies.angular_velocity[i];
     const Real extent = bodies.extent[i];
-    any |= jumps(i, Real(0.5) * (dot(v, v) + extent * extent * dot(w, w)), least);
+    if (jumps(i, Real(0.5) * (dot(v, v) + extent * extent * dot(w, w)), least)) jumpers.push_back(i);
   }
-  any_jump = any_jump || any;
 }
 
 // Upper bound of the work of weight, scripts and generators on one body in this step, J.
@@ -78,6 +76,7 @@ void Rigid::Impl::watch_contacts(const StepContext& c) {
                moves_b = b != kNone && bodies.type[b] == BodyType::dynamic;
     if (!moves_a && !moves_b) continue;
     const std::uint32_t at = islands.root(moves_a ? a : b);
+    if (!accounted(at)) continue;
     const double mass = (moves_a ? to_double(bodies.mass[a]) : 0) + (moves_b ? to_double(bodies.mass[b]) : 0);
     for (int k = 0; k < contact.point_count; ++k) {
       const double depth = std::fmax(0.0, -to_double(contact.points[k].separation)) / to_double(c.h);
@@ -109,6 +108,7 @@ void Rigid::Impl::watch_joints(const StepContext& c) {
     const bool moves_a = bodies.moves(r.body_a), moves_b = bodies.moves(r.body_b);
     if (!moves_a && !moves_b) continue;
     const std::uint32_t at = islands.root(moves_a ? r.body_a : r.body_b);
+    if (!accounted(at)) continue;
     if (r.body_a != kNone) island_drive[at] = std::fmax(island_drive[at], outside_speed(r.body_a, r.body_b));
     if (r.body_b != kNone) island_drive[at] = std::fmax(island_drive[at], outside_speed(r.body_b, r.body_a));
     bool edited = false;
@@ -172,15 +172,23 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
   return sum;
 }
 
-// Sums by island, at its root: kinetic energies before and after, work, overlap and strain.
-void Rigid::Impl::account(const StepContext& c) {
+// Sums by island, at its root: kinetic energies before and after, work, overlap and strain. Of islands with some of
+// these bodies; null: of all.
+void Rigid::Impl::account(const StepContext& c, const Array<std::uint32_t>* of) {
   FEDER_ASSERT(island_before.size() == bodies.size() && edited_step.size() == bodies.size());
   join_islands();
+  accounted_roots = nullptr;
+  if (of) {
+    accounted_roots = c.scratch->take<std::uint8_t>(bodies.size());
+    std::fill_n(accounted_roots, bodies.size(), std::uint8_t(0));
+    for (const std::uint32_t i : *of) accounted_roots[islands.root(i)] = 1;
+  }
   for (const std::uint32_t i : moving)
     island_before[i] = island_after[i] = island_given[i] = island_mass[i] = island_drive[i] = 0;
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic || solver_bodies.index[bodies.solver_slot[i]] == 0) continue;
     const std::uint32_t at = islands.root(i), k = bodies.first_collider[i];
+    if (!accounted(at)) continue;
     const SolverMass& m = solver_bodies.mass[solver_bodies.index[bodies.solver_slot[i]]];
     island_before[at] += kinetic_energy(i, m.start_rotation, colliders.velocity[k], colliders.angular_velocity[k]);
     island_after[at] += kinetic_energy(i, bodies.rotation[i], bodies.velocity[i], bodies.angular_velocity[i]);
@@ -194,11 +202,11 @@ void Rigid::Impl::account(const StepContext& c) {
 }
 
 void Rigid::Impl::watch(const StepContext& c) {
-  any_jump = false;
-  account(c);
+  account(c, &jumpers);
+  jumpers.clear();
   const double least = quiet_energy(c);
   for (const std::uint32_t i : moving) {
-    if (bodies.type[i] != BodyType::dynamic || islands.root(i) != i) continue;
+    if (bodies.type[i] != BodyType::dynamic || islands.root(i) != i || !accounted(i)) continue;
     const double before = island_before[i] + least * island_mass[i];
     if (!Watch::jumped(before, island_given[i], island_after[i])) continue;
     std::uint32_t worst = i;
@@ -226,7 +234,7 @@ void Rigid::Impl::suspect(std::uint32_t i) {
 double Rigid::held(const StepContext& c) {
   Impl& s = *impl_;
   if (s.body_count == 0) return 0;
-  s.account(c);
+  s.account(c, nullptr);
   double sum = 0;
   for (const std::uint32_t i : s.moving) sum += s.island_before[i] + s.island_given[i];
   return sum;
