@@ -1,23 +1,56 @@
-// Blocks that are counted, and the step's scratch memory.
+// Blocks that are counted, and the step's scratch memory. Large blocks are pages of their own where the system has
+// mmap: an array that has grown gives its old place back, and what it has not used yet takes none. From malloc, which
+// keeps what was freed, a world of 5,000 boxes took an eighth more.
 #include <algorithm>
 #include <new>
 
 #include "feder/memory.h"
 
+#if defined(__unix__) && !defined(__EMSCRIPTEN__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#include <sys/mman.h>
+#define FEDER_PAGES 1
+#else
+#define FEDER_PAGES 0
+#endif
+
 namespace feder {
 namespace {
-constexpr std::size_t kLine = 64;  // a cache line, and the widest vector
+
+constexpr std::size_t kLine = 64;               // a cache line, and the widest vector
+constexpr std::size_t kLargeBlock = 256 << 10;  // B
+
+void* take_block(std::size_t bytes, std::size_t alignment) {
+#if FEDER_PAGES
+  if (bytes >= kLargeBlock && alignment <= 4096) {
+    void* p = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (p == MAP_FAILED) throw std::bad_alloc();
+    return p;
+  }
+#endif
+  return ::operator new(bytes, std::align_val_t(alignment));
 }
 
+void give_block_back(void* p, std::size_t bytes, std::size_t alignment) {
+#if FEDER_PAGES
+  if (bytes >= kLargeBlock && alignment <= 4096) {
+    munmap(p, bytes);
+    return;
+  }
+#endif
+  ::operator delete(p, std::align_val_t(alignment));
+}
+
+}  // namespace
+
 void* Arena::do_allocate(std::size_t bytes, std::size_t alignment) {
-  void* p = ::operator new(bytes, std::align_val_t(std::max(alignment, kLine)));
+  void* p = take_block(bytes, std::max(alignment, kLine));
   bytes_.fetch_add(bytes, std::memory_order_relaxed);
   allocations_.fetch_add(1, std::memory_order_relaxed);
   return p;
 }
 
 void Arena::do_deallocate(void* p, std::size_t bytes, std::size_t alignment) {
-  ::operator delete(p, std::align_val_t(std::max(alignment, kLine)));
+  give_block_back(p, bytes, std::max(alignment, kLine));
   bytes_.fetch_sub(bytes, std::memory_order_relaxed);
 }
 
