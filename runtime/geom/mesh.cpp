@@ -3,7 +3,7 @@
 // place are one corner; triangles without area are dropped.
 // Source of rays: Moeller and Trumbore 1997. Weak spot: no inside, so what has passed the surface is on its other side.
 #include <algorithm>
-#include <map>
+#include <numeric>
 
 #include "bounds/box_tree.h"
 #include "feder/error.h"
@@ -104,15 +104,21 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleS
 
 void Mesh::find_neighbors() {
   struct Side {
+    std::uint32_t low, high;  // vertices
     std::uint32_t triangle, edge;
+    auto operator<=>(const Side&) const = default;
   };
-  std::map<std::pair<std::uint32_t, std::uint32_t>, std::vector<Side>> edges;
+  Array<Side> list{&arena_};
+  list.reserve(3 * corners_.size());
   for (std::uint32_t i = 0; i < corners_.size(); ++i)
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t a = corners_[i].v[k], b = corners_[i].v[(k + 1) % 3];
-      edges[{std::min(a, b), std::max(a, b)}].push_back({i, k});
+      list.push_back({std::min(a, b), std::max(a, b), i, k});
     }
-  for (const auto& [key, sides] : edges) {
+  std::sort(list.begin(), list.end());
+  for (std::size_t first = 0, end = 0; first < list.size(); first = end) {
+    while (end < list.size() && list[end].low == list[first].low && list[end].high == list[first].high) ++end;
+    const std::span<const Side> sides(&list[first], end - first);
     if (sides.size() != 2) continue;  // borders, and edges of three or more triangles, stay sharp
     for (int s = 0; s < 2; ++s) {
       const Side &own = sides[static_cast<std::size_t>(s)], &other = sides[static_cast<std::size_t>(1 - s)];
@@ -197,26 +203,41 @@ void Mesh::triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), 
   tree_.query(local, [&](std::uint32_t i) { visit(context, i); });
 }
 
+// The different places among them, in the order in which they come first; returns the number of each.
+std::vector<std::uint32_t> number_places(std::span<const Vec3> vertices, std::vector<Vec3>& places) {
+  std::vector<std::uint32_t> order(vertices.size()), number(vertices.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t i, std::uint32_t j) {
+    const Vec3 &a = vertices[i], &b = vertices[j];
+    if (a[0] != b[0]) return a[0] < b[0];
+    if (a[1] != b[1]) return a[1] < b[1];
+    return a[2] != b[2] ? a[2] < b[2] : i < j;
+  });
+  // the first at its place for now
+  for (std::size_t k = 0; k < order.size(); ++k)
+    number[order[k]] = k > 0 && vertices[order[k]] == vertices[order[k - 1]] ? number[order[k - 1]] : order[k];
+  for (std::uint32_t i = 0; i < number.size(); ++i) {
+    if (number[i] != i) {
+      number[i] = number[number[i]];
+      continue;
+    }
+    number[i] = static_cast<std::uint32_t>(places.size());
+    places.push_back(vertices[i]);
+  }
+  return number;
+}
+
 ShapePtr make(const ShapeInput& in) {
   const std::span<const Vec3> vertices = in.points;
   const std::span<const std::uint32_t> triangles = in.triangles;
   if (triangles.size() % 3 != 0 || triangles.empty())
     throw SceneError("mesh: expected three vertex numbers per triangle, got " + std::to_string(triangles.size()) +
                      " numbers");
-  const auto before = [](const Vec3& a, const Vec3& b) {
-    return a[0] != b[0] ? a[0] < b[0] : (a[1] != b[1] ? a[1] < b[1] : a[2] < b[2]);
-  };
-  std::map<Vec3, std::uint32_t, decltype(before)> index_of(before);
-  std::vector<Vec3> points;
-  std::vector<std::uint32_t> number;
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
+  for (std::size_t i = 0; i < vertices.size(); ++i)
     if (!is_finite(vertices[i]))
       throw SceneError("mesh: expected finite vertices, but vertex " + std::to_string(i + 1) + " is not");
-    const auto [it, fresh] =
-        index_of.try_emplace(vertices[i] + Vec3::Zero(), static_cast<std::uint32_t>(points.size()));
-    if (fresh) points.push_back(vertices[i]);
-    number.push_back(it->second);
-  }
+  std::vector<Vec3> points;
+  const std::vector<std::uint32_t> number = number_places(vertices, points);
   check_surfaces("mesh", in.surfaces);
   if (!in.triangle_surfaces.empty() && 3 * in.triangle_surfaces.size() != triangles.size())
     throw SceneError("mesh: expected a surface per triangle, got " + std::to_string(in.triangle_surfaces.size()) +
