@@ -6,7 +6,7 @@
 
 #include "feder/memory.h"
 
-#if defined(__unix__) && !defined(__EMSCRIPTEN__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+#if defined(__unix__) && !defined(__EMSCRIPTEN__) && !defined(FEDER_SANITIZED)
 #include <sys/mman.h>
 #define FEDER_PAGES 1
 #else
@@ -30,7 +30,7 @@ void* take_block(std::size_t bytes, std::size_t alignment) {
   return ::operator new(bytes, std::align_val_t(alignment));
 }
 
-void give_block_back(void* p, std::size_t bytes, std::size_t alignment) {
+void give_block_back(void* p, [[maybe_unused]] std::size_t bytes, std::size_t alignment) {
 #if FEDER_PAGES
   if (bytes >= kLargeBlock && alignment <= 4096) {
     munmap(p, bytes);

@@ -41,7 +41,7 @@ PUBLIC_FOLDER = "runtime/include/feder"
 EIGEN = {f"{PUBLIC_FOLDER}/types.h": {"Eigen/Core"}}
 EIGEN_LINEAR = {"Eigen/Core", "Eigen/Sparse", "Eigen/SVD", "Eigen/Eigenvalues", "Eigen/Cholesky"}
 INTRINSICS = {"immintrin.h", "xmmintrin.h", "emmintrin.h"}  # floating-point control words and base/simd.h
-SYSTEM = {"base/semaphore.h": {"semaphore.h"}}  # POSIX; elsewhere the file takes the standard one
+SYSTEM = {"base/semaphore.h": {"semaphore.h"}, "base/arena.cpp": {"sys/mman.h"}}  # POSIX; elsewhere the standard ones
 # The runtime draws nothing, prints nothing and opens no files.
 BANNED_STANDARD = {"iostream", "fstream", "ostream", "istream", "filesystem", "regex", "iomanip", "print"}
 STANDARD = set("""
