@@ -1,6 +1,6 @@
 // Blocks that are counted, and the step's scratch memory. Large blocks are pages of their own where the system has
-// mmap: an array that has grown gives its old place back, and what it has not used yet takes none. From malloc, which
-// keeps what was freed, a world of 5,000 boxes took an eighth more.
+// mmap: an array that has grown gives its old place back, where malloc may keep it, and what it has not used yet takes
+// none.
 #include <algorithm>
 #include <new>
 

@@ -197,6 +197,7 @@ void Rigid::Impl::sleep_islands() {
 }
 
 void Rigid::Impl::update_sleep(StepContext& c) {
+  jumpers.reserve(bodies.size());  // an impact must not allocate
   if (c.sleeping)
     measure_motion(c);
   else

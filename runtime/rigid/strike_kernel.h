@@ -15,7 +15,7 @@ bool was_struck(const ContactPass& p, const ContactBatch& c) {
   return any != 0;
 }
 
-// Those that strike do.
+// Notes the bodies of the lanes that strike.
 void note_struck(const ContactPass& p, const ContactBatch& c, const StrikeBatch& strike) {
   Lanes most = zero_lanes();
   for (unsigned j = 0; j < c.points; ++j) most = min(most, load(strike.approach[j]));
