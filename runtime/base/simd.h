@@ -52,8 +52,18 @@ typedef WideIndex LaneMask __attribute__((vector_size(kLanes * sizeof(WideIndex)
 [[gnu::always_inline]] inline Lanes all_lanes(WideReal x) { return Lanes{x, x, x, x, x, x, x, x}; }
 [[gnu::always_inline]] inline Lanes zero_lanes() { return Lanes{}; }
 [[gnu::always_inline]] inline Lanes select(LaneMask m, Lanes yes, Lanes no) { return m ? yes : no; }
+#if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
+// the same, zeros of either sign and NaN included; compilers do not see it
+[[gnu::always_inline]] inline Lanes min(Lanes a, Lanes b) {
+  return reinterpret_cast<Lanes>(_mm256_min_ps(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b)));
+}
+[[gnu::always_inline]] inline Lanes max(Lanes a, Lanes b) {
+  return reinterpret_cast<Lanes>(_mm256_max_ps(reinterpret_cast<__m256>(a), reinterpret_cast<__m256>(b)));
+}
+#else
 [[gnu::always_inline]] inline Lanes min(Lanes a, Lanes b) { return a < b ? a : b; }
 [[gnu::always_inline]] inline Lanes max(Lanes a, Lanes b) { return a > b ? a : b; }
+#endif
 [[gnu::always_inline]] inline Lanes square_root(Lanes x) {
 #if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
   return reinterpret_cast<Lanes>(_mm256_sqrt_ps(reinterpret_cast<__m256>(x)));
@@ -80,6 +90,23 @@ typedef WideIndex LaneMask __attribute__((vector_size(kLanes * sizeof(WideIndex)
 #endif
 }
 
+// The masks of lanes as bits, lane 0 first, and back.
+[[gnu::always_inline]] inline unsigned bits_of(LaneMask m) {
+#if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
+  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(m)));
+#else
+  unsigned bits = 0;
+  for (int i = 0; i < kLanes; ++i) bits |= (m[i] ? 1u : 0u) << i;
+  return bits;
+#endif
+}
+[[gnu::always_inline]] inline LaneMask mask_of(unsigned bits) {
+  const LaneMask each = {1, 2, 4, 8, 16, 32, 64, 128}, b = {WideIndex(bits), WideIndex(bits), WideIndex(bits),
+                                                            WideIndex(bits), WideIndex(bits), WideIndex(bits),
+                                                            WideIndex(bits), WideIndex(bits)};
+  return (b & each) != 0;
+}
+
 struct Lanes3 {
   Lanes x, y, z;
 };
@@ -90,6 +117,9 @@ struct Lanes3 {
   return {a.x - b.x, a.y - b.y, a.z - b.z};
 }
 [[gnu::always_inline]] inline Lanes3 operator*(const Lanes3& a, Lanes s) { return {a.x * s, a.y * s, a.z * s}; }
+[[gnu::always_inline]] inline Lanes3 select(LaneMask m, const Lanes3& yes, const Lanes3& no) {
+  return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
+}
 [[gnu::always_inline]] inline Lanes dot(const Lanes3& a, const Lanes3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
 [[gnu::always_inline]] inline Lanes3 cross(const Lanes3& a, const Lanes3& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};

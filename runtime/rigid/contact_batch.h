@@ -7,49 +7,60 @@ namespace feder {
 
 inline constexpr int kBatchPoints = 4;
 
+// A point lies at the manifold's centre + x t1 + y t2, where n, t1, t2 are the normal and its tangent_frame, so that its
+// motion along the normal takes two products. What it is off along n does not matter.
 struct BatchPoint {
-  Lane8x3 angular_a, angular_b;  // arm x normal, m; the arms themselves until `prepare`
-  Lane8 separation;              // at the start of the step, m
-  Lane8 mass;                    // effective along the normal, kg; 1 or 0 (no such point) until `prepare`
-  Lane8 impulse;                 // N s
+  Lane8 x, y;        // m
+  Lane8 separation;  // at the start of the step, m
+  Lane8 mass;        // effective along the normal, kg; 1 or 0 (no such point) until `prepare`
+  Lane8 impulse;     // N s
 };
 
+// Every pass reads all of it from memory, twice per substep, and in large piles that is what a step waits for: what can
+// be had by a few products (tangents, lever arms, distances) is not here, and yes or no is a bit per lane.
 struct ContactBatch {
   unsigned index_a[kLanes], index_b[kLanes];  // solver indices; 0 = world
-  unsigned points;                            // the largest point count of the lanes
-  unsigned rounds;              // symmetric sweeps over the points per pass: more when a lane has no warm start
-  unsigned writes_a, writes_b;  // bit per lane: the solver body can be pushed
-  Lane8x3 normal;               // a to b
+  unsigned char points;                       // the largest point count of the lanes
+  unsigned char rounds;             // symmetric sweeps over the points per pass: more when a lane has no warm start
+  unsigned char writes_a, writes_b;  // bit per lane: the solver body can be pushed
+  unsigned char fixed;               // bit per lane: one side cannot move
+  unsigned char warm;                // bit per lane: began the step with impulses
+  unsigned char bounces;             // some lane has restitution
+  unsigned char rolls;               // some lane has rolling friction
+  unsigned char conveys;             // some lane has a surface that moves
+  unsigned char locked;              // some body has locked axes
+  unsigned char last_of_color;       // the next batch may push the same bodies
+  Lane8x3 normal;                    // a to b
   BatchPoint point[kBatchPoints];
   Lane8 coupling[6];                         // between points 01 02 03 12 13 23, 1/kg
-  Lane8x3 inv_mass_a, inv_mass_b;            // by world axis, 1/kg
+  Lane8 inv_mass_a, inv_mass_b;              // of axes that are not locked, 1/kg
   Lane8 inv_inertia_a[6], inv_inertia_b[6];  // xx yy zz xy xz yz, 1/(kg m^2)
-  Lane8 against_fixed;                       // 1: one side cannot move, else 0
   Lane8 leak, leak_mean;                     // compliance: part of a point's own impulse, and of the sum, lost in a
                                              // visit; until `prepare` the factor by which crowding softens the pair
-  Lane8 over;                                // over-relaxation
   // friction at the manifold's centre
   Lane8x3 center_a, center_b;       // arms, m
-  Lane8x3 tangent;                  // first of tangent_frame(normal); the second is normal x tangent
   Lane8 tangent_mass[3];            // inverse of the 2x2 matrix: 11 12 22, kg
-  Lane8 tangent_impulse[2];         // N s
-  Lane8 tangent_speed[2];           // wanted, m/s (conveyor)
+  Lane8 tangent_impulse[2];         // along t1 and t2, N s
   Lane8 twist_mass, twist_impulse;  // kg m^2, N m s
   Lane8 friction_static, friction_dynamic;
-  Lane8 radius[kBatchPoints];  // distance of the points from the centre, m
 };
 
 // Cold data of a batch: what the inner loops rarely need.
 struct BatchSide {
-  Lane8 approach[kBatchPoints];  // relative normal speed at the start of the step, m/s; for events
   Lane8 total[kBatchPoints];     // sum of the normal impulses over the substeps, N s
+  Lane8 approach[kBatchPoints];  // relative normal speed at the start of the step, m/s; for events
   Lane8 restitution;
-  Lane8 lands;              // 1: new, or along gravity; else 0
-  unsigned bounces;         // some lane has restitution
-  unsigned rolls;           // some lane has rolling friction
-  Lane8 rolling_arm;        // m
-  Lane8 rolling_mass[6];    // inverse of the sum of the inverse inertias, kg m^2
-  Lane8x3 rolling_impulse;  // N m s
+  Lane8 lands;                    // 1: new, or along gravity; else 0
+  Lane8 tangent_speed[2];         // wanted, m/s (conveyor)
+  Lane8 rolling_arm;              // m
+  Lane8 rolling_mass[6];          // inverse of the sum of the inverse inertias, kg m^2
+  Lane8x3 rolling_impulse;        // N m s
+  Lane8x3 axes_a, axes_b;         // where something is locked: inverse masses by world axis, 1/kg
+};
+
+// Arms from the centres of mass to the points of a batch, m: of contacts as `prepare` takes them.
+struct BatchArms {
+  Lane8x3 a[kBatchPoints], b[kBatchPoints];
 };
 
 // Impacts of a batch within a substep; only in steps where something bounces.
@@ -76,6 +87,7 @@ struct ContactPass {
   ContactBatch* batches;
   BatchSide* sides;
   StrikeBatch* strikes;
+  const BatchArms* arms;  // of the batch `first`, alone; for `prepare`
   unsigned first, last;  // range of batches
   WideReal* bodies;      // SolverBody as 16 numbers each
   const WideMass* masses;
@@ -91,7 +103,7 @@ struct ContactPass {
 };
 
 struct ContactKernels {
-  void (*prepare)(const ContactPass&);
+  void (*prepare)(const ContactPass&);  // of one batch
   void (*renew)(const ContactPass&);  // after `prepare`: the masses have changed
   void (*warm_start)(const ContactPass&);
   void (*mark)(const ContactPass&);         // which points strike

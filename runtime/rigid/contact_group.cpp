@@ -130,7 +130,8 @@ void ContactGroup::check_colors(const SolverInput& in, StepContext& c, const Con
   FEDER_ASSERT(active == listed);
 }
 
-void ContactGroup::fill_lane(const Contact& contact, const Vec3& gravity, std::uint32_t batch, int lane) {
+void ContactGroup::fill_lane(const Contact& contact, const Vec3& gravity, std::uint32_t batch, int lane,
+                             BatchArms& arms) {
   FEDER_ASSERT(contact.touching && !contact.sensor);
   FEDER_ASSERT(contact.point_count >= 1 && contact.point_count <= kBatchPoints);
   ContactBatch& c = batches_[batch];
@@ -144,13 +145,13 @@ void ContactGroup::fill_lane(const Contact& contact, const Vec3& gravity, std::u
   for (int j = 0; j < contact.point_count; ++j) {
     const ContactPoint& from = contact.points[j];
     BatchPoint& q = c.point[j];
-    put(q.angular_a, from.arm_a);
-    put(q.angular_b, from.arm_b);
+    put(arms.a[j], from.arm_a);
+    put(arms.b[j], from.arm_b);
     q.separation.v[lane] = from.separation;
     q.impulse.v[lane] = share * from.normal_impulse;
     q.mass.v[lane] = 1;
   }
-  c.points = std::max(c.points, unsigned(contact.point_count));
+  c.points = std::max(c.points, static_cast<unsigned char>(contact.point_count));
   // landing: no warm start, and about to carry weight: worth more rounds
   side.lands.v[lane] = contact.fresh || std::fabs(dot(contact.normal, gravity)) > length(gravity) / 2 ? 1 : 0;
   // friction and restitution
@@ -162,20 +163,22 @@ void ContactGroup::fill_lane(const Contact& contact, const Vec3& gravity, std::u
   if (!contact.surface_velocity.isZero(0)) {
     Vec3 t1, t2;
     tangent_frame(contact.normal, t1, t2);
-    c.tangent_speed[0].v[lane] = dot(contact.surface_velocity, t1);
-    c.tangent_speed[1].v[lane] = dot(contact.surface_velocity, t2);
+    c.conveys = 1;
+    side.tangent_speed[0].v[lane] = dot(contact.surface_velocity, t1);
+    side.tangent_speed[1].v[lane] = dot(contact.surface_velocity, t2);
   }
   side.restitution.v[lane] = contact.restitution;
-  if (contact.restitution > 0) side.bounces = 1;
-  if (contact.rolling_friction > 0) side.rolls = 1;
+  if (contact.restitution > 0) c.bounces = 1;
+  if (contact.rolling_friction > 0) c.rolls = 1;
   side.rolling_arm.v[lane] = contact.rolling_friction;
   put(side.rolling_impulse, share * contact.rolling_impulse);
 }
 
 void ContactGroup::fill_batch(const SolverInput& in, const ContactShared& shared, const Vec3& gravity,
-                              std::uint32_t batch) {
+                              std::uint32_t batch, BatchArms& arms) {
   ContactBatch& c = batches_[batch];
   std::memset(static_cast<void*>(&c), 0, sizeof c);
+  std::memset(static_cast<void*>(&arms), 0, sizeof arms);
   std::memset(static_cast<void*>(&sides_[batch]), 0, sizeof(BatchSide));
   for (int lane = 0; lane < kLanes; ++lane) {
     const std::uint32_t slot = lanes_[std::size_t(batch) * kLanes + static_cast<std::size_t>(lane)];
@@ -185,21 +188,30 @@ void ContactGroup::fill_batch(const SolverInput& in, const ContactShared& shared
     const std::uint32_t a = in.solver_index(contact.collider_a), b = in.solver_index(contact.collider_b);
     const bool moves_a = shared.masses[a].movable > 0, moves_b = shared.masses[b].movable > 0;
     c.index_a[lane] = a, c.index_b[lane] = b;
-    if (moves_a) c.writes_a |= 1u << lane;
-    if (moves_b) c.writes_b |= 1u << lane;
-    c.against_fixed.v[lane] = moves_a && moves_b ? 0 : 1;
+    const unsigned char bit = static_cast<unsigned char>(1u << lane);
+    if (moves_a) c.writes_a |= bit;
+    if (moves_b) c.writes_b |= bit;
+    if (!moves_a || !moves_b) c.fixed |= bit;
     c.leak.v[lane] = 1 + kCrowd * std::max(std::max(shared.crowd[a], shared.crowd[b]) - 1, Real(0));
-    fill_lane(contact, gravity, batch, lane);
+    fill_lane(contact, gravity, batch, lane, arms);
   }
 }
 
-void ContactGroup::fill(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, std::uint32_t first,
-                        std::uint32_t last) {
+void ContactGroup::prepare(const SolverInput& in, const ContactShared& shared, const Vec3& gravity,
+                           const ContactKernels& kernels, ContactPass pass) {
+  BatchArms arms;
+  pass.arms = &arms;
+  const std::uint32_t first = pass.first, last = pass.last;
+  int color = 0;  // the next
   for (std::uint32_t batch = first; batch < last; ++batch) {
     if (batch + 1 < last)
       for (const std::uint32_t slot : lanes_of(batch + 1))
         if (slot != kNone) prefetch(in.contacts->slots[slot]);
-    fill_batch(in, shared, gravity, batch);
+    fill_batch(in, shared, gravity, batch, arms);
+    while (color < kColors && color_first_[color] <= batch) ++color;
+    batches_[batch].last_of_color = batch < overflow_count_ || batch + 1 == color_first_[color];
+    pass.first = batch, pass.last = batch + 1;
+    kernels.prepare(pass);
   }
 }
 
@@ -258,13 +270,13 @@ void ContactGroup::renew(const std::uint8_t* turned, const ContactKernels& kerne
 
 bool ContactGroup::any_bounces() const {
   for (std::uint32_t i = 0; i < batch_count_; ++i)
-    if (sides_[i].bounces) return true;
+    if (batches_[i].bounces) return true;
   return false;
 }
 
 bool ContactGroup::any_strikes(bool all) const {
   for (std::uint32_t i = 0; i < batch_count_; ++i)
-    if ((all || sides_[i].bounces) && strikes_[i].acts) return true;
+    if ((all || batches_[i].bounces) && strikes_[i].acts) return true;
   return false;
 }
 

@@ -44,9 +44,9 @@ class ContactGroup {
   }
   void store(Contacts& contacts, JobPool& jobs) const;
   ContactPass pass() const;  // with batches alone
-  // Batches [first, last) from their contacts, as `prepare` of the kernels wants them.
-  void fill(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, std::uint32_t first,
-            std::uint32_t last);
+  // Makes the batches of the pass's range from their contacts.
+  void prepare(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, const ContactKernels& kernels,
+               ContactPass pass);
   bool any_bounces() const;
   bool any_strikes(bool all) const;  // found by `mark`; all: also without restitution
   void expect_strikes(StepContext& c, bool bounces) {
@@ -90,8 +90,9 @@ class ContactGroup {
   std::span<const std::uint32_t> lanes_of(std::uint32_t batch) const {
     return {lanes_ + std::size_t(batch) * kLanes, kLanes};
   }
-  void fill_batch(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, std::uint32_t batch);
-  void fill_lane(const Contact& contact, const Vec3& gravity, std::uint32_t batch, int lane);
+  void fill_batch(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, std::uint32_t batch,
+                  BatchArms& arms);
+  void fill_lane(const Contact& contact, const Vec3& gravity, std::uint32_t batch, int lane, BatchArms& arms);
   void store_batch(Contacts& contacts, std::uint32_t batch) const;
 
   ContactBatch* batches_ = nullptr;

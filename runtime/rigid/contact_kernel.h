@@ -37,6 +37,20 @@ constexpr WideReal kTilt = 1.75f;         // compliance against tilting over tha
   return {diagonal.x * a.x, diagonal.y * a.y, diagonal.z * a.z};
 }
 
+// The normal and its tangents: tangent_frame of feder/types.h (Duff et al. 2017).
+struct Frame {
+  Lanes3 n, t1, t2;
+};
+
+[[gnu::always_inline]] inline Frame frame_of(const ContactBatch& c) {
+  const Lanes3 n = load(c.normal);
+  const Lanes one = all_lanes(1);
+  const Lanes sign = select(n.z < zero_lanes(), -one, one);
+  const Lanes s = -one / (sign + n.z);
+  const Lanes3 t1{one + sign * n.x * n.x * s, sign * n.x * n.y * s, -sign * n.x};
+  return {n, t1, cross(n, t1)};
+}
+
 // One half of eight solver bodies: row 0 holds v, w and the first two of delta_position; row 1 the third,
 // delta_rotation and rotation.
 [[gnu::always_inline]] inline void gather(const WideReal* bodies, const unsigned* index, int row,
@@ -79,10 +93,19 @@ struct Sides {
 [[gnu::always_inline]] inline Lanes3 angular(const Lanes (&rows)[kLanes]) { return {rows[3], rows[4], rows[5]}; }
 
 // Velocities changed by the linear impulse `l` and the angular impulses (on b; the opposite signs on a).
-[[gnu::always_inline]] inline void push(const ContactBatch& c, Sides& s, const Lanes3& l, const Lanes3& angular_a,
-                                        const Lanes3& angular_b) {
-  put(s.a, linear(s.a) - times(load(c.inv_mass_a), l), angular(s.a) - times(c.inv_inertia_a, angular_a));
-  put(s.b, linear(s.b) + times(load(c.inv_mass_b), l), angular(s.b) + times(c.inv_inertia_b, angular_b));
+[[gnu::always_inline]] inline void push(const ContactBatch& c, const BatchSide& side, Sides& s, const Lanes3& l,
+                                        const Lanes3& angular_a, const Lanes3& angular_b) {
+  Lanes3 la = l * load(c.inv_mass_a), lb = l * load(c.inv_mass_b);
+  if (c.locked) la = times(load(side.axes_a), l), lb = times(load(side.axes_b), l);
+  put(s.a, linear(s.a) - la, angular(s.a) - times(c.inv_inertia_a, angular_a));
+  put(s.b, linear(s.b) + lb, angular(s.b) + times(c.inv_inertia_b, angular_b));
+}
+
+// The same for an angular impulse alone.
+[[gnu::always_inline]] inline void turn(const ContactBatch& c, Sides& s, const Lanes3& change) {
+  const Lanes3 a = angular(s.a) - times(c.inv_inertia_a, change), b = angular(s.b) + times(c.inv_inertia_b, change);
+  put(s.a, linear(s.a), a);
+  put(s.b, linear(s.b), b);
 }
 
 [[gnu::always_inline]] inline void write_back(const ContactPass& p, const ContactBatch& c, Sides& s) {
@@ -97,45 +120,82 @@ struct Sides {
 
 constexpr int kPair[4][4] = {{-1, 0, 1, 2}, {0, -1, 3, 4}, {1, 3, -1, 5}, {2, 4, 5, -1}};
 
-[[gnu::always_inline]] inline Lanes point_speed(const BatchPoint& q, Lanes along, const Lanes3& wa, const Lanes3& wb) {
-  return along + dot(load(q.angular_b), wb) - dot(load(q.angular_a), wa);
+// Of b against a: the velocity of the manifold's centre, from the linear part `v`. Displacements likewise.
+[[gnu::always_inline]] inline Lanes3 center_motion(const ContactBatch& c, const Lanes3& v, const Lanes3& wa,
+                                                   const Lanes3& wb) {
+  return v + cross(wb, load(c.center_b)) - cross(wa, load(c.center_a));
 }
 
-[[gnu::always_inline]] inline void prepare_masses(const ContactPass& p, ContactBatch& c) {
-  for (int side = 0; side < 2; ++side) {
-    const unsigned* index = side ? c.index_b : c.index_a;
+// Motion along the normal: of the centre, and what it is more per metre along t2 and less per metre along t1.
+struct Closing {
+  Lanes center, along2, along1;
+};
+
+[[gnu::always_inline]] inline Closing closing_of(const Frame& f, const Lanes3& center, const Lanes3& turn) {
+  return {dot(f.n, center), dot(f.t1, turn), dot(f.t2, turn)};
+}
+[[gnu::always_inline]] inline Closing speeds_of(const Frame& f, const ContactBatch& c, const Sides& s) {
+  return closing_of(f, center_motion(c, linear(s.b) - linear(s.a), angular(s.a), angular(s.b)),
+                    angular(s.b) - angular(s.a));
+}
+[[gnu::always_inline]] inline Closing displacements_of(const Frame& f, const ContactBatch& c, const Sides& s) {
+  return closing_of(f, center_motion(c, s.delta_position, s.delta_rotation_a, s.delta_rotation_b),
+                    s.delta_rotation_b - s.delta_rotation_a);
+}
+[[gnu::always_inline]] inline Lanes point_closing(const BatchPoint& q, const Closing& m) {
+  return m.center + load(q.y) * m.along2 - load(q.x) * m.along1;
+}
+
+// Normal impulses of the points: their sum, and its moments x and y.
+struct Pressed {
+  Lanes sum, x, y;
+
+  [[gnu::always_inline]] void add(const BatchPoint& q, Lanes impulse) {
+    sum += impulse, x += load(q.x) * impulse, y += load(q.y) * impulse;
+  }
+};
+
+[[gnu::always_inline]] inline void push_normal(const Frame& f, const ContactBatch& c, const BatchSide& side, Sides& s,
+                                               const Pressed& p) {
+  const Lanes3 l = f.n * p.sum, off = f.t1 * p.y - f.t2 * p.x;
+  push(c, side, s, l, cross(load(c.center_a), l) + off, cross(load(c.center_b), l) + off);
+}
+
+[[gnu::always_inline]] inline void prepare_masses(const ContactPass& p, ContactBatch& c, BatchSide& side) {
+  c.locked = 0;
+  for (int k = 0; k < 2; ++k) {
+    const unsigned* index = k ? c.index_b : c.index_a;
     Lanes r[kLanes];
     for (int i = 0; i < kLanes; ++i) r[i] = load_row(reinterpret_cast<const WideReal*>(p.masses + index[i]));
     transpose(r);
-    store(side ? c.inv_mass_b : c.inv_mass_a, Lanes3{r[0], r[1], r[2]});
-    Lane8* inertia = side ? c.inv_inertia_b : c.inv_inertia_a;
-    for (int k = 0; k < 5; ++k) store(inertia[k], r[k + 3]);
+    const Lanes inv_mass = max(max(r[0], r[1]), r[2]);
+    store(k ? c.inv_mass_b : c.inv_mass_a, inv_mass);
+    store(k ? side.axes_b : side.axes_a, Lanes3{r[0], r[1], r[2]});
+    if (any((r[0] < inv_mass) | (r[1] < inv_mass) | (r[2] < inv_mass))) c.locked = 1;
+    Lane8* inertia = k ? c.inv_inertia_b : c.inv_inertia_a;
+    for (int n = 0; n < 5; ++n) store(inertia[n], r[n + 3]);
     for (int i = 0; i < kLanes; ++i) inertia[5].v[i] = p.masses[index[i]].inv_inertia[5];
   }
 }
 
-// Effective masses and couplings of the points; kFirst: their arms are not yet multiplied by the normal.
+// Effective masses and couplings of the points; kFirst: their masses are 1 or 0, and the compliance is not known.
 template <bool kFirst>
-[[gnu::always_inline]] inline void prepare_normals(const ContactPass& p, ContactBatch& c) {
-  const Lanes3 n = load(c.normal);
-  const Lanes3 inv_mass = load(c.inv_mass_a) + load(c.inv_mass_b);
-  const Lanes along = dot(times(inv_mass, n), n);
-  Lanes sum = zero_lanes();
+[[gnu::always_inline]] inline void prepare_normals(const ContactPass& p, const Frame& f, ContactBatch& c,
+                                                   const BatchSide& side) {
+  const Lanes one = all_lanes(1), zero = zero_lanes();
+  const Lanes3 inv_mass = load(side.axes_a) + load(side.axes_b);
+  const Lanes along = dot(times(inv_mass, f.n), f.n);
+  const Lanes3 center_a = cross(load(c.center_a), f.n), center_b = cross(load(c.center_b), f.n);
+  Lanes3 a[kBatchPoints], b[kBatchPoints];
+  Lanes sum = zero;
   for (int j = 0; j < kBatchPoints; ++j) {
     BatchPoint& q = c.point[j];
-    Lanes valid = load(q.mass);
-    Lanes3 a = load(q.angular_a), b = load(q.angular_b);
-    if constexpr (kFirst) {
-      a = cross(a, n) * valid, b = cross(b, n) * valid;
-      store(q.angular_a, a);
-      store(q.angular_b, b);
-    } else {
-      valid = select(valid > zero_lanes(), all_lanes(1), zero_lanes());
-    }
-    const Lanes3 ia = times(c.inv_inertia_a, a), ib = times(c.inv_inertia_b, b);
-    for (int k = 0; k < j; ++k)
-      store(c.coupling[kPair[j][k]], along + dot(load(c.point[k].angular_a), ia) + dot(load(c.point[k].angular_b), ib));
-    const Lanes mass = reciprocal_or_zero(along + dot(a, ia) + dot(b, ib)) * valid;
+    const Lanes valid = select(load(q.mass) > zero, one, zero);
+    const Lanes3 off = f.t1 * load(q.y) - f.t2 * load(q.x);
+    a[j] = center_a + off, b[j] = center_b + off;
+    const Lanes3 ia = times(c.inv_inertia_a, a[j]), ib = times(c.inv_inertia_b, b[j]);
+    for (int k = 0; k < j; ++k) store(c.coupling[kPair[j][k]], along + dot(a[k], ia) + dot(b[k], ib));
+    const Lanes mass = reciprocal_or_zero(along + dot(a[j], ia) + dot(b[j], ib)) * valid;
     store(q.mass, mass);
     sum += mass;
   }
@@ -144,44 +204,39 @@ template <bool kFirst>
   // would be four times as stiff). They are softer against tilting: corners act there with a lever and with little
   // inertia, and one pass over a stack of five would not converge. So the compliance is a matrix: leak / mass on the
   // diagonal, minus leak_mean on all entries
-  const Lanes one = all_lanes(1), zero = zero_lanes();
-  const LaneMask fixed = load(c.against_fixed) > zero;
+  const LaneMask fixed = mask_of(c.fixed);
   const Lanes leak = all_lanes(kTilt * p.soft.impulse_scale) * load(c.leak) * max(one, sum * along);
   const Lanes own = select(fixed, all_lanes(p.soft_fixed.impulse_scale), min(leak, one));
   store(c.leak, own);
   store(c.leak_mean, select(fixed, zero, own * all_lanes(1 - 1 / kTilt)) * reciprocal_or_zero(sum));
 }
 
-// The centre of the manifold from the arms (before they are overwritten), and the distances from it.
-[[gnu::always_inline]] inline void prepare_center(ContactBatch& c) {
+// The centre of the manifold from the arms, and where the points lie around it: by the arms of the body that is nearer,
+// which are the more exact ones.
+[[gnu::always_inline]] inline void prepare_center(const BatchArms& arms, const Frame& f, ContactBatch& c) {
   Lanes count = zero_lanes();
   Lanes3 a{}, b{};
   for (int j = 0; j < kBatchPoints; ++j) {
     const Lanes valid = load(c.point[j].mass);
     count += valid;
-    a = a + load(c.point[j].angular_a) * valid;
-    b = b + load(c.point[j].angular_b) * valid;
+    a = a + load(arms.a[j]) * valid;
+    b = b + load(arms.b[j]) * valid;
   }
   const Lanes weight = all_lanes(1) / max(count, all_lanes(1));
   a = a * weight, b = b * weight;
   store(c.center_a, a);
   store(c.center_b, b);
+  const LaneMask by_a = dot(a, a) <= dot(b, b);
   for (int j = 0; j < kBatchPoints; ++j) {
-    const Lanes3 d = load(c.point[j].angular_a) - a;
-    store(c.radius[j], square_root(dot(d, d)) * load(c.point[j].mass));
+    const Lanes3 d = select(by_a, load(arms.a[j]) - a, load(arms.b[j]) - b);
+    store(c.point[j].x, dot(d, f.t1) * load(c.point[j].mass));
+    store(c.point[j].y, dot(d, f.t2) * load(c.point[j].mass));
   }
 }
 
-[[gnu::always_inline]] inline void prepare_friction(ContactBatch& c) {
-  const Lanes3 n = load(c.normal);
-  // tangent_frame(n) of feder/types.h (Duff et al. 2017)
-  const Lanes one = all_lanes(1);
-  const Lanes sign = select(n.z < zero_lanes(), -one, one);
-  const Lanes s = -one / (sign + n.z);
-  const Lanes3 t1{one + sign * n.x * n.x * s, sign * n.x * n.y * s, -sign * n.x};
-  const Lanes3 t2 = cross(n, t1);
-  store(c.tangent, t1);
-  const Lanes3 inv_mass = load(c.inv_mass_a) + load(c.inv_mass_b);
+[[gnu::always_inline]] inline void prepare_friction(const Frame& f, ContactBatch& c, const BatchSide& side) {
+  const Lanes3 &n = f.n, &t1 = f.t1, &t2 = f.t2;
+  const Lanes3 inv_mass = load(side.axes_a) + load(side.axes_b);
   const Lanes3 a1 = cross(load(c.center_a), t1), a2 = cross(load(c.center_a), t2);
   const Lanes3 b1 = cross(load(c.center_b), t1), b2 = cross(load(c.center_b), t2);
   const Lanes3 ia1 = times(c.inv_inertia_a, a1), ib1 = times(c.inv_inertia_b, b1);
@@ -193,7 +248,7 @@ template <bool kFirst>
   // nothing but rounding can move gets no impulse
   const Lanes det = k11 * k22 - k12 * k12, trace2 = (k11 + k22) * (k11 + k22);
   const LaneMask good = det > all_lanes(WideReal(1e-6)) * trace2;
-  const Lanes inv = select(good, one / select(good, det, one), zero_lanes());
+  const Lanes inv = select(good, all_lanes(1) / select(good, det, all_lanes(1)), zero_lanes());
   const Lanes flat = reciprocal_or_zero(trace2);
   store(c.tangent_mass[0], select(good, k22 * inv, k11 * flat));
   store(c.tangent_mass[1], select(good, -k12 * inv, k12 * flat));
@@ -222,65 +277,56 @@ template <bool kFirst>
 }
 
 void prepare_batches(const ContactPass& p) {
-  for (unsigned i = p.first; i < p.last; ++i) {
-    ContactBatch& c = p.batches[i];
-    BatchSide& side = p.sides[i];
-    FEDER_ASSERT(c.points >= 1 && c.points <= kBatchPoints);
-    // the world is never written
-    for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.index_a[k] > 0 || !(c.writes_a >> k & 1u));
-    for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.index_b[k] > 0 || !(c.writes_b >> k & 1u));
-    prepare_center(c);
-    prepare_masses(p, c);
-    prepare_normals<true>(p, c);
-    prepare_friction(c);
-    if (side.rolls) prepare_rolling(c, side);
-    Sides s;
-    gather_velocity(p, c, s);
-    const Lanes along = dot(load(c.normal), linear(s.b) - linear(s.a));
-    Lanes warm = zero_lanes(), closing = load(side.lands);
-    for (int j = 0; j < kBatchPoints; ++j) {
-      const Lanes approach = point_speed(c.point[j], along, angular(s.a), angular(s.b));
-      store(side.approach[j], approach);
-      store(side.total[j], zero_lanes());
-      warm += load(c.point[j].impulse);
-      closing = max(closing, -approach);
-    }
-    // over-relaxation for resting stacks, where one relax pass has to remove the bias; not for impacts
-    store(c.over,
-          select((load(c.against_fixed) > zero_lanes()) | ~(warm > zero_lanes()), all_lanes(1), all_lanes(kOver)));
-    Lane8 landing;
-    store(landing, select(warm > zero_lanes(), zero_lanes(), closing));
-    c.rounds = 1;
-    for (int k = 0; k < kLanes; ++k)
-      if (landing.v[k] > kColdSpeed) c.rounds = kColdRounds;
+  FEDER_ASSERT(p.first + 1 == p.last && p.arms);
+  ContactBatch& c = p.batches[p.first];
+  BatchSide& side = p.sides[p.first];
+  FEDER_ASSERT(c.points >= 1 && c.points <= kBatchPoints);
+  // the world is never written
+  for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.index_a[k] > 0 || !(c.writes_a >> k & 1u));
+  for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.index_b[k] > 0 || !(c.writes_b >> k & 1u));
+  const Frame f = frame_of(c);
+  prepare_center(*p.arms, f, c);
+  prepare_masses(p, c, side);
+  prepare_normals<true>(p, f, c, side);
+  prepare_friction(f, c, side);
+  if (c.rolls) prepare_rolling(c, side);
+  Sides s;
+  gather_velocity(p, c, s);
+  const Closing speeds = speeds_of(f, c, s);
+  Lanes warm = zero_lanes(), closing = load(side.lands);
+  for (int j = 0; j < kBatchPoints; ++j) {
+    const Lanes approach = point_closing(c.point[j], speeds);
+    store(side.approach[j], approach);
+    store(side.total[j], zero_lanes());
+    warm += load(c.point[j].impulse);
+    closing = max(closing, -approach);
   }
+  c.warm = static_cast<unsigned char>(bits_of(warm > zero_lanes()));
+  const LaneMask landing = ~(warm > zero_lanes()) & (closing > all_lanes(kColdSpeed));
+  c.rounds = static_cast<unsigned char>(any(landing) ? kColdRounds : 1);
 }
 
 void renew_batches(const ContactPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     ContactBatch& c = p.batches[i];
-    prepare_masses(p, c);
-    prepare_normals<false>(p, c);
-    prepare_friction(c);
-    if (p.sides[i].rolls) prepare_rolling(c, p.sides[i]);
+    BatchSide& side = p.sides[i];
+    const Frame f = frame_of(c);
+    prepare_masses(p, c, side);
+    prepare_normals<false>(p, f, c, side);
+    prepare_friction(f, c, side);
+    if (c.rolls) prepare_rolling(c, side);
   }
 }
 
-// Velocity change by the impulses of a batch, times `scale` by lane.
-[[gnu::always_inline]] inline void push_impulses(const ContactBatch& c, const BatchSide& side, Lanes scale, Sides& s) {
-  const Lanes3 n = load(c.normal), t1 = load(c.tangent), t2 = cross(n, t1);
-  Lanes sum = zero_lanes();
-  Lanes3 angular_a = n * load(c.twist_impulse), angular_b = angular_a;
-  if (side.rolls) angular_a = angular_a + load(side.rolling_impulse), angular_b = angular_a;
-  for (unsigned j = 0; j < c.points; ++j) {
-    const Lanes impulse = load(c.point[j].impulse);
-    sum += impulse;
-    angular_a = angular_a + load(c.point[j].angular_a) * impulse;
-    angular_b = angular_b + load(c.point[j].angular_b) * impulse;
-  }
-  const Lanes3 t = t1 * load(c.tangent_impulse[0]) + t2 * load(c.tangent_impulse[1]);
-  push(c, s, (n * sum + t) * scale, (angular_a + cross(load(c.center_a), t)) * scale,
-       (angular_b + cross(load(c.center_b), t)) * scale);
+// Velocity change by the impulses of a batch.
+[[gnu::always_inline]] inline void push_impulses(const ContactBatch& c, const BatchSide& side, Sides& s) {
+  const Frame f = frame_of(c);
+  Pressed pressed{};
+  for (unsigned j = 0; j < c.points; ++j) pressed.add(c.point[j], load(c.point[j].impulse));
+  const Lanes3 l = f.n * pressed.sum + f.t1 * load(c.tangent_impulse[0]) + f.t2 * load(c.tangent_impulse[1]);
+  Lanes3 off = f.t1 * pressed.y - f.t2 * pressed.x + f.n * load(c.twist_impulse);
+  if (c.rolls) off = off + load(side.rolling_impulse);
+  push(c, side, s, l, cross(load(c.center_a), l) + off, cross(load(c.center_b), l) + off);
 }
 
 void warm_start_batches(const ContactPass& p) {
@@ -288,7 +334,7 @@ void warm_start_batches(const ContactPass& p) {
     const ContactBatch& c = p.batches[i];
     Sides s;
     gather_velocity(p, c, s);
-    push_impulses(c, p.sides[i], all_lanes(1), s);
+    push_impulses(c, p.sides[i], s);
     write_back(p, c, s);
   }
 }
@@ -301,89 +347,129 @@ void warm_start_batches(const ContactPass& p) {
 namespace feder {
 namespace {
 
-// The normal rows of one batch; returns with the velocities of `s` changed and impulses stored.
-template <bool kBiased>
-[[gnu::always_inline]] inline Lanes solve_normals(const ContactPass& p, ContactBatch& c, const BatchSide& side,
-                                                  Sides& s) {
-  const Lanes3 n = load(c.normal);
-  const Lanes along = dot(n, linear(s.b) - linear(s.a));
-  const Lanes normal_displacement = dot(n, s.delta_position);
-  const Lanes zero = zero_lanes(), inv_h = all_lanes(p.inv_h);
-  const LaneMask fixed = load(c.against_fixed) > zero;
+// f(j) for the numbers from kFirst to kLast - 1, or down from kLast - 1, known to the compiler: what they index stays in
+// registers.
+template <int kNumber>
+struct Index {
+  constexpr operator int() const { return kNumber; }
+};
+template <int kFirst, int kLast, class F>
+[[gnu::always_inline]] inline void each_up(F&& f) {
+  if constexpr (kFirst < kLast) f(Index<kFirst>{}), each_up<kFirst + 1, kLast>(f);
+}
+template <int kFirst, int kLast, class F>
+[[gnu::always_inline]] inline void each_down(F&& f) {
+  if constexpr (kFirst < kLast) f(Index<kLast - 1>{}), each_down<kFirst, kLast - 1>(f);
+}
+
+// The normal rows of a batch while they are solved, its points taken as kCount.
+template <bool kBiased, int kCount>
+struct Normals {
+  Lanes speed[kCount];                          // closing, and bias: what a point wants to lose, m/s
+  Lanes gain[kCount], stiffness[kCount];        // effective mass, with bias softened, kg; and 1 over it
+  Lanes before[kCount], impulse[kCount];        // at first and now, N s
+  Lanes keep[kCount], share[kCount], all;       // with bias: compliance keeps that of a point's own impulse, and gives
+                                                // that of the sum `all`
+};
+
+template <bool kBiased, int kCount>
+[[gnu::always_inline]] inline void begin_normals(const ContactPass& p, const Frame& f, const ContactBatch& c,
+                                                 const BatchSide& side, const Sides& s, Normals<kBiased, kCount>& x) {
+  const Closing speeds = speeds_of(f, c, s), displacements = displacements_of(f, c, s);
+  const Lanes zero = zero_lanes(), one = all_lanes(1), inv_h = all_lanes(p.inv_h);
+  const LaneMask fixed = mask_of(c.fixed);
   const Lanes rate = select(fixed, all_lanes(p.soft_fixed.bias_rate), all_lanes(p.soft.bias_rate));
   const Lanes mass_scale = select(fixed, all_lanes(p.soft_fixed.mass_scale), all_lanes(p.soft.mass_scale));
-  const Lanes leak = load(c.leak), leak_mean = load(c.leak_mean);
-  Lanes speed[kBatchPoints], separation[kBatchPoints], before[kBatchPoints], all = zero;
-  const unsigned count = c.points;
-  for (unsigned j = 0; j < count; ++j) {
+  const Lanes kept = one - load(c.leak), leak_mean = load(c.leak_mean);
+  x.all = zero;
+  each_up<0, kCount>([&](auto j) __attribute__((always_inline)) {
     const BatchPoint& q = c.point[j];
-    speed[j] = point_speed(q, along, angular(s.a), angular(s.b));
-    separation[j] = point_speed(q, load(q.separation) + normal_displacement, s.delta_rotation_a, s.delta_rotation_b);
-    before[j] = load(q.impulse);
-    all += before[j];
-  }
-  // after the motion of the substep: what is about to strike keeps its speed
-  if (!kBiased && side.bounces)
-    for (unsigned j = 0; j < count; ++j)
-      separation[j] =
-          select((load(side.restitution) > zero) & (separation[j] > zero) & (speed[j] < all_lanes(-p.bounce_speed)),
-                 all_lanes(kFar), separation[j]);
-  // one point: its impulse, and the speeds of all by the couplings
-  Lanes stiffness[kBatchPoints];
-  for (unsigned j = 0; j < count; ++j) stiffness[j] = reciprocal_or_zero(load(c.point[j].mass));
-  const auto visit = [&](unsigned j, unsigned known) __attribute__((always_inline)) {
-    BatchPoint& q = c.point[j];
-    const LaneMask open = separation[j] > zero;  // may close the gap in this substep, not more
-    const Lanes old = load(q.impulse);
-    Lanes wanted;
+    const Lanes mass = load(q.mass), closing = point_closing(q, speeds);
+    Lanes separation = load(q.separation) + point_closing(q, displacements);
+    // after the motion of the substep: what is about to strike keeps its speed
+    if (!kBiased && c.bounces)
+      separation =
+          select((load(side.restitution) > zero) & (separation > zero) & (closing < all_lanes(-p.bounce_speed)),
+                 all_lanes(kFar), separation);
+    const LaneMask open = separation > zero;  // may close the gap in this substep, not more
+    const Lanes gap = separation * inv_h;
     if constexpr (kBiased) {
-      const Lanes bias = select(open, separation[j] * inv_h, max(separation[j] * rate, all_lanes(-p.push_speed)));
-      const Lanes excess = select(open, speed[j] + bias, mass_scale * (speed[j] + bias) - leak_mean * all);
-      wanted = old - load(q.mass) * excess - select(open, zero, leak) * old;
+      x.speed[j] = closing + select(open, gap, max(separation * rate, all_lanes(-p.push_speed)));
+      x.gain[j] = select(open, mass, mass * mass_scale);
+      x.keep[j] = select(open, one, kept);
+      x.share[j] = select(open, zero, mass * leak_mean);
     } else {
-      wanted = old - load(q.mass) * (speed[j] + select(open, separation[j] * inv_h, zero));
+      x.speed[j] = closing + select(open, gap, zero);
+      x.gain[j] = mass;
     }
-    const Lanes now = max(wanted, zero);
-    const Lanes change = now - old;
-    store(q.impulse, now);
-    if constexpr (kBiased) all += change;
-    for (unsigned k = 0; k < known; ++k) speed[k] += (k == j ? stiffness[j] : load(c.coupling[kPair[j][k]])) * change;
+    x.stiffness[j] = reciprocal_or_zero(mass);
+    x.before[j] = x.impulse[j] = load(q.impulse);
+    x.all += x.impulse[j];
+  });
+}
+
+// One point: its impulse, and the speeds of all by the couplings.
+template <int kPoint, bool kBiased, int kCount>
+[[gnu::always_inline]] inline void visit(const ContactBatch& c, Normals<kBiased, kCount>& x) {
+  const Lanes old = x.impulse[kPoint];
+  Lanes wanted = old;
+  if constexpr (kBiased) wanted = x.keep[kPoint] * old + x.share[kPoint] * x.all;
+  const Lanes now = max(wanted - x.gain[kPoint] * x.speed[kPoint], zero_lanes()), change = now - old;
+  x.impulse[kPoint] = now;
+  if constexpr (kBiased) x.all += change;
+  each_up<0, kCount>([&](auto k) __attribute__((always_inline)) {
+    x.speed[k] += (k == kPoint ? x.stiffness[k] : load(c.coupling[kPair[kPoint][k]])) * change;
+  });
+}
+
+// Symmetric sweeps, forward and backward, so that no corner is favoured: a one-directional sweep tilts flat landings,
+// and stacks lean. The remaining error points from the first corner to the opposite one: sweeps start at both
+// alternately (kHalf), so that it cancels.
+template <int kHalf, bool kBiased, int kCount, int kWide>
+[[gnu::always_inline]] inline void sweep(ContactBatch* c, Normals<kBiased, kCount> (&x)[kWide]) {
+  const auto each = [&](auto j) __attribute__((always_inline)) {
+    each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { visit<j>(c[i], x[i]); });
   };
-  // symmetric sweeps, forward and backward, so that no corner is favoured: a one-directional sweep tilts flat landings,
-  // and stacks lean. The remaining error points from the first corner to the opposite one: sweeps start at both
-  // alternately, so that it cancels
-  const unsigned half = (kBiased == (p.odd != 0)) ? count / 2 : 0;
-  const auto sweep = [&](unsigned known) __attribute__((always_inline)) {
-    for (unsigned round = 0; round < c.rounds; ++round) {
-      for (unsigned j = half; j < known; ++j) visit(j, known);
-      for (unsigned j = 0; j < half; ++j) visit(j, known);
-      for (unsigned j = half; j-- > 0;) visit(j, known);
-      for (unsigned j = known; j-- > half;) visit(j, known);
-    }
-  };
-  if (count == kBatchPoints) {
-    sweep(kBatchPoints);  // faces: loops of known length
-  } else {
-    sweep(count);
-  }
-  // over-relaxed impulses into the velocities
-  Lanes sum = zero, held = zero;
-  Lanes3 angular_a{}, angular_b{};
-  for (unsigned j = count; j-- > 0;) {
-    BatchPoint& q = c.point[j];
-    Lanes now = load(q.impulse);
-    if constexpr (!kBiased) {
-      now = max(before[j] + load(c.over) * (now - before[j]), zero);
-      store(q.impulse, now);
-    }
-    const Lanes change = now - before[j];
+  each_up<kHalf, kCount>(each);
+  each_up<0, kHalf>(each);
+  each_down<0, kHalf>(each);
+  each_down<kHalf, kCount>(each);
+}
+
+// Over-relaxed impulses into the velocities: of what rests, where one relax pass has to remove the bias. Returns the
+// sum of the impulses.
+template <bool kBiased, int kCount>
+[[gnu::always_inline]] inline Lanes end_normals(const Frame& f, ContactBatch& c, const BatchSide& side,
+                                                Normals<kBiased, kCount>& x, Sides& s) {
+  const Lanes over = select(~mask_of(c.fixed) & mask_of(c.warm), all_lanes(kOver), all_lanes(1));
+  Lanes held = zero_lanes();
+  Pressed changes{};
+  each_up<0, kCount>([&](auto j) __attribute__((always_inline)) {
+    Lanes now = x.impulse[j];
+    if constexpr (!kBiased) now = max(x.before[j] + over * (now - x.before[j]), zero_lanes());
+    store(c.point[j].impulse, now);
     held += now;
-    sum += change;
-    angular_a = angular_a + load(q.angular_a) * change;
-    angular_b = angular_b + load(q.angular_b) * change;
-  }
-  push(c, s, n * sum, angular_a, angular_b);
+    changes.add(c.point[j], now - x.before[j]);
+  });
+  push_normal(f, c, side, s, changes);
   return held;
+}
+
+// The normal rows of kWide batches side by side, which share no solver body: one waits for its own results only.
+template <bool kBiased, int kCount, int kWide>
+[[gnu::always_inline]] inline void solve_normals(const ContactPass& p, unsigned first, const Frame (&f)[kWide],
+                                                 Sides (&s)[kWide], Lanes (&held)[kWide]) {
+  ContactBatch* c = p.batches + first;
+  const BatchSide* side = p.sides + first;
+  Normals<kBiased, kCount> x[kWide];
+  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { begin_normals(p, f[i], c[i], side[i], s[i], x[i]); });
+  for (unsigned round = 0; round < c->rounds; ++round) {
+    if (kBiased == (p.odd != 0))
+      sweep<kCount / 2>(c, x);
+    else
+      sweep<0>(c, x);
+  }
+  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { held[i] = end_normals(f[i], c[i], side[i], x[i], s[i]); });
 }
 
 // Torque against rolling, at most arm x normal impulse.
@@ -395,21 +481,22 @@ template <bool kBiased>
   const LaneMask over = size > limit;
   now = now * select(over, limit / select(over, size, all_lanes(1)), all_lanes(1));
   store(side.rolling_impulse, now);
-  const Lanes3 change = now - old;
-  push(c, s, Lanes3{}, change, change);
+  turn(c, s, now - old);
 }
 
-[[gnu::always_inline]] inline void relax_twist(ContactBatch& c, Sides& s) {
-  const Lanes3 n = load(c.normal);
+[[gnu::always_inline]] inline void relax_twist(const Frame& f, ContactBatch& c, Sides& s) {
   Lanes limit = zero_lanes();
-  for (unsigned j = 0; j < c.points; ++j) limit += load(c.radius[j]) * load(c.point[j].impulse);
+  for (unsigned j = 0; j < c.points; ++j) {
+    const BatchPoint& q = c.point[j];
+    const Lanes x = load(q.x), y = load(q.y);
+    limit += square_root(x * x + y * y) * load(q.impulse);
+  }
   limit *= load(c.friction_dynamic);
   const Lanes old = load(c.twist_impulse);
-  const Lanes wanted = old - load(c.twist_mass) * dot(n, angular(s.b) - angular(s.a));
+  const Lanes wanted = old - load(c.twist_mass) * dot(f.n, angular(s.b) - angular(s.a));
   const Lanes now = max(-limit, min(wanted, limit));
   store(c.twist_impulse, now);
-  const Lanes3 change = n * (now - old);
-  push(c, s, Lanes3{}, change, change);
+  turn(c, s, f.n * (now - old));
 }
 
 // Coulomb friction of a manifold as a whole. An impulse beyond the static cone is clamped to it; one beyond kSlip times
@@ -418,11 +505,11 @@ template <bool kBiased>
 // another round is worth it: friction against an immovable body that matters, and may stick, still changes. Between two
 // solver bodies the neighbours are no better converged than that.
 template <bool kBiased>
-[[gnu::always_inline]] inline bool relax_friction(ContactBatch& c, Lanes held, Sides& s) {
-  const Lanes3 n = load(c.normal), t1 = load(c.tangent), t2 = cross(n, t1);
-  const Lanes3 ra = load(c.center_a), rb = load(c.center_b);
-  const Lanes3 v = linear(s.b) + cross(angular(s.b), rb) - linear(s.a) - cross(angular(s.a), ra);
-  const Lanes v1 = dot(v, t1) - load(c.tangent_speed[0]), v2 = dot(v, t2) - load(c.tangent_speed[1]);
+[[gnu::always_inline]] inline bool relax_friction(const Frame& f, ContactBatch& c, const BatchSide& side, Lanes held,
+                                                  Sides& s) {
+  const Lanes3 v = center_motion(c, linear(s.b) - linear(s.a), angular(s.a), angular(s.b));
+  Lanes v1 = dot(v, f.t1), v2 = dot(v, f.t2);
+  if (c.conveys) v1 = v1 - load(side.tangent_speed[0]), v2 = v2 - load(side.tangent_speed[1]);
   const Lanes old1 = load(c.tangent_impulse[0]), old2 = load(c.tangent_impulse[1]);
   const Lanes m11 = load(c.tangent_mass[0]), m12 = load(c.tangent_mass[1]), m22 = load(c.tangent_mass[2]);
   const Lanes part = all_lanes(kBiased ? kBiasFriction : 1);
@@ -435,47 +522,105 @@ template <bool kBiased>
   store(c.tangent_impulse[0], now1);
   store(c.tangent_impulse[1], now2);
   const Lanes d1 = now1 - old1, d2 = now2 - old2;
-  const Lanes3 change = t1 * d1 + t2 * d2;
-  push(c, s, change, cross(ra, change), cross(rb, change));
+  const Lanes3 change = f.t1 * d1 + f.t2 * d2;
+  push(c, side, s, change, cross(load(c.center_a), change), cross(load(c.center_b), change));
   const Lanes most = max(max(d1, -d1), max(d2, -d2));
   return any((most > all_lanes(kLoadPart) * limit) & (size > all_lanes(kLightPart) * limit) & ~slides &
-             (load(c.against_fixed) > zero_lanes()));
+             mask_of(c.fixed));
 }
 
 // Friction here too, so that sideways sway of large piles is followed twice as well: a pyramid of 100 comes to rest
 // three times sooner, and columns of 100 stand. It reacts to bias velocities, which grows in pyramids that are barely
 // stable, so it is solved in part.
-void solve_batches(const ContactPass& p) {
-  FEDER_ASSERT(p.h > 0 && p.first <= p.last);
-  for (unsigned i = p.first; i < p.last; ++i) {
-    ContactBatch& c = p.batches[i];
-    FEDER_ASSERT(c.rounds >= 1);
-    Sides s;
-    gather_velocity(p, c, s);
-    gather_displacement(p, c, s);
-    const Lanes held = solve_normals<true>(p, c, p.sides[i], s);
-    relax_friction<true>(c, held, s);
-    write_back(p, c, s);
+template <int kCount, int kWide>
+void solve_some(const ContactPass& p, unsigned first) {
+  Sides s[kWide];
+  Frame f[kWide];
+  Lanes held[kWide];
+  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
+    gather_velocity(p, p.batches[first + i], s[i]);
+    gather_displacement(p, p.batches[first + i], s[i]);
+    f[i] = frame_of(p.batches[first + i]);
+  });
+  solve_normals<true, kCount, kWide>(p, first, f, s, held);
+  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
+    relax_friction<true>(f[i], p.batches[first + i], p.sides[first + i], held[i], s[i]);
+  });
+  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { write_back(p, p.batches[first + i], s[i]); });
+}
+
+// Sudden load: friction rotates the bodies, which shifts the normal impulses, which limit friction. Further rounds.
+[[gnu::noinline]] void relax_loaded(const ContactPass& p, unsigned i) {
+  ContactBatch& c = p.batches[i];
+  BatchSide& side = p.sides[i];
+  Sides s[1];
+  Lanes held[1];
+  gather_velocity(p, c, s[0]);
+  gather_displacement(p, c, s[0]);
+  const Frame f[1] = {frame_of(c)};
+  for (unsigned round = 1; round < kLoadRounds; ++round) {
+    solve_normals<false, kBatchPoints, 1>(p, i, f, s, held);
+    if (c.rolls) relax_rolling(c, side, held[0], s[0]);
+    relax_twist(f[0], c, s[0]);
+    if (!relax_friction<false>(f[0], c, side, held[0], s[0])) break;
+  }
+  write_back(p, c, s[0]);
+}
+
+template <int kCount, int kWide>
+void relax_some(const ContactPass& p, unsigned first) {
+  ContactBatch* c = p.batches + first;
+  BatchSide* side = p.sides + first;
+  Sides s[kWide];
+  Frame f[kWide];
+  Lanes held[kWide];
+  bool again[kWide];
+  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
+    gather_velocity(p, c[i], s[i]);
+    gather_displacement(p, c[i], s[i]);
+    f[i] = frame_of(c[i]);
+  });
+  solve_normals<false, kCount, kWide>(p, first, f, s, held);
+  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
+    if (c[i].rolls) relax_rolling(c[i], side[i], held[i], s[i]);
+    relax_twist(f[i], c[i], s[i]);
+  });
+  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
+    again[i] = relax_friction<false>(f[i], c[i], side[i], held[i], s[i]);
+  });
+  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { write_back(p, c[i], s[i]); });
+  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
+    if (again[i]) relax_loaded(p, first + i);
+    for (int j = 0; j < kCount; ++j) store(side[i].total[j], load(side[i].total[j]) + load(c[i].point[j].impulse));
+  });
+}
+
+// Calls f(count, wide, first) with the batches of the pass in order; alike neighbours of a colour are taken in twos.
+template <class F>
+[[gnu::always_inline]] inline void each_some(const ContactPass& p, F&& f) {
+  const auto call = [&](auto count, unsigned i) __attribute__((always_inline)) {
+    const ContactBatch &c = p.batches[i], &d = p.batches[i + 1];
+    if (!c.last_of_color && i + 1 < p.last && d.points == c.points && d.rounds == c.rounds)
+      return f(count, Index<2>{}, i), 2u;
+    return f(count, Index<1>{}, i), 1u;
+  };
+  for (unsigned i = p.first; i < p.last;) {
+    if (p.batches[i].points == 1)
+      i += call(Index<1>{}, i);
+    else if (p.batches[i].points == 2)
+      i += call(Index<2>{}, i);
+    else
+      i += call(Index<4>{}, i);
   }
 }
 
+void solve_batches(const ContactPass& p) {
+  FEDER_ASSERT(p.h > 0 && p.first <= p.last);
+  each_some(p, [&](auto count, auto wide, unsigned first) { solve_some<count, wide>(p, first); });
+}
+
 void relax_batches(const ContactPass& p) {
-  for (unsigned i = p.first; i < p.last; ++i) {
-    ContactBatch& c = p.batches[i];
-    BatchSide& side = p.sides[i];
-    Sides s;
-    gather_velocity(p, c, s);
-    gather_displacement(p, c, s);
-    // sudden load: friction rotates the bodies, which shifts the normal impulses, which limit friction
-    for (unsigned round = 0; round < kLoadRounds; ++round) {
-      const Lanes held = solve_normals<false>(p, c, side, s);
-      if (side.rolls) relax_rolling(c, side, held, s);
-      relax_twist(c, s);
-      if (!relax_friction<false>(c, held, s)) break;
-    }
-    write_back(p, c, s);
-    for (unsigned j = 0; j < c.points; ++j) store(side.total[j], load(side.total[j]) + load(c.point[j].impulse));
-  }
+  each_some(p, [&](auto count, auto wide, unsigned first) { relax_some<count, wide>(p, first); });
 }
 
 constexpr ContactKernels kKernels = {prepare_batches, renew_batches, warm_start_batches, mark_strikes, strike_batches,

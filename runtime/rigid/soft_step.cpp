@@ -296,10 +296,9 @@ void SoftStep::prepare_contacts(const SolverInput& in, StepContext& c) {
     if (!g.used()) continue;
     const ContactPass p = pass(g, {c.h / static_cast<Real>(g.pieces()), true, 0}, in, c);
     c.jobs->for_blocks(g.contacts.batch_count(), kFillGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      g.contacts.fill(in, shared_, c.gravity, first, last);
       ContactPass part = p;
       part.first = first, part.last = last;
-      kernels_->prepare(part);
+      g.contacts.prepare(in, shared_, c.gravity, *kernels_, part);
     });
     const bool bounces = g.contacts.any_bounces();
     if (bounces || (!g.joints.empty() && !g.contacts.empty())) g.contacts.expect_strikes(c, bounces);

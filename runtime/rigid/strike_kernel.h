@@ -33,21 +33,21 @@ void note_struck(const ContactPass& p, const ContactBatch& c, const StrikeBatch&
 void mark_strikes(const ContactPass& p) {
   const Lanes zero = zero_lanes(), one = all_lanes(1), h = all_lanes(p.h);
   for (unsigned i = p.first; i < p.last; ++i) {
-    if (!p.sides[i].bounces && !p.all_strike) continue;
+    if (!p.batches[i].bounces && !p.all_strike) continue;
     const ContactBatch& c = p.batches[i];
     StrikeBatch& strike = p.strikes[i];
     if (p.struck && p.wave > 1 && !strike.acts && !was_struck(p, c)) continue;
     Sides s;
     gather_velocity(p, c, s);
     gather_displacement(p, c, s);
-    const Lanes3 n = load(c.normal);
-    const Lanes along = dot(n, linear(s.b) - linear(s.a)), moved = dot(n, s.delta_position);
+    const Frame f = frame_of(c);
+    const Closing speeds = speeds_of(f, c, s), displacements = displacements_of(f, c, s);
     const Lanes bouncing = p.all_strike ? one : select(load(p.sides[i].restitution) > zero, one, zero);
     Lanes some = zero;
     for (unsigned j = 0; j < c.points; ++j) {
       const BatchPoint& q = c.point[j];
-      const Lanes speed = point_speed(q, along, angular(s.a), angular(s.b));
-      const Lanes separation = point_speed(q, load(q.separation) + moved, s.delta_rotation_a, s.delta_rotation_b);
+      const Lanes speed = point_closing(q, speeds);
+      const Lanes separation = load(q.separation) + point_closing(q, displacements);
       const LaneMask hits = (speed < all_lanes(-p.bounce_speed)) & (separation + speed * h < zero);
       const Lanes approach = select(hits, speed, zero) * bouncing;
       some = min(some, approach * load(q.mass));
@@ -75,11 +75,11 @@ void mark_thrown(const ContactPass& p) {
     if (!any_jointed) continue;
     Sides s;
     gather_velocity(p, c, s);
-    const Lanes along = dot(load(c.normal), linear(s.b) - linear(s.a));
+    const Closing speeds = speeds_of(frame_of(c), c, s);
     Lanes some = zero;
     for (unsigned j = 0; j < c.points; ++j) {
       const BatchPoint& q = c.point[j];
-      const Lanes speed = point_speed(q, along, angular(s.a), angular(s.b));
+      const Lanes speed = point_closing(q, speeds);
       const LaneMask thrown = (speed > all_lanes(p.bounce_speed)) & (load(q.impulse) > zero);
       const Lanes parts = select(thrown, speed, zero) * load(jointed);
       some = max(some, parts * load(q.mass));
@@ -98,26 +98,26 @@ void ease_batches(const ContactPass& p) {
     ContactBatch& c = p.batches[i];
     Sides s;
     gather_velocity(p, c, s);
-    const Lanes3 n = load(c.normal);
+    const Frame f = frame_of(c);
     for (unsigned j = 0; j < c.points; ++j) {
       BatchPoint& q = c.point[j];
-      const Lanes along = dot(n, linear(s.b) - linear(s.a));
-      const Lanes speed = point_speed(q, along, angular(s.a), angular(s.b));
+      const Lanes speed = point_closing(q, speeds_of(f, c, s));
       const Lanes thrown = select(load(strike.approach[j]) < zero, one, zero), old = load(q.impulse);
       const Lanes change = thrown * (max(old - max(load(q.mass) * speed, zero), zero) - old);
       store(q.impulse, old + change);
-      push(c, s, n * change, load(q.angular_a) * change, load(q.angular_b) * change);
+      Pressed pressed{};
+      pressed.add(q, change);
+      push_normal(f, c, p.sides[i], s, pressed);
     }
     write_back(p, c, s);
   }
 }
 
 // Friction of a strike: Coulomb's cone over the impulse `held` of its points so far.
-[[gnu::always_inline]] inline void strike_friction(const ContactBatch& c, StrikeBatch& strike, Lanes held, Sides& s) {
-  const Lanes3 t1 = load(c.tangent), t2 = cross(load(c.normal), t1);
-  const Lanes3 ra = load(c.center_a), rb = load(c.center_b);
-  const Lanes3 v = linear(s.b) + cross(angular(s.b), rb) - linear(s.a) - cross(angular(s.a), ra);
-  const Lanes v1 = dot(v, t1) - load(c.tangent_speed[0]), v2 = dot(v, t2) - load(c.tangent_speed[1]);
+[[gnu::always_inline]] inline void strike_friction(const Frame& f, const ContactBatch& c, const BatchSide& side,
+                                                   StrikeBatch& strike, Lanes held, Sides& s) {
+  const Lanes3 v = center_motion(c, linear(s.b) - linear(s.a), angular(s.a), angular(s.b));
+  const Lanes v1 = dot(v, f.t1) - load(side.tangent_speed[0]), v2 = dot(v, f.t2) - load(side.tangent_speed[1]);
   const Lanes old1 = load(strike.tangent[0]), old2 = load(strike.tangent[1]);
   const Lanes m11 = load(c.tangent_mass[0]), m12 = load(c.tangent_mass[1]), m22 = load(c.tangent_mass[2]);
   Lanes now1 = old1 - (m11 * v1 + m12 * v2), now2 = old2 - (m12 * v1 + m22 * v2);
@@ -127,25 +127,26 @@ void ease_batches(const ContactPass& p) {
   const Lanes scale = select(beyond, load(c.friction_dynamic) * held / select(beyond, size, one), one);
   now1 = now1 * scale, now2 = now2 * scale;
   store(strike.tangent[0], now1), store(strike.tangent[1], now2);
-  const Lanes3 change = t1 * (now1 - old1) + t2 * (now2 - old2);
-  push(c, s, change, cross(ra, change), cross(rb, change));
+  const Lanes3 change = f.t1 * (now1 - old1) + f.t2 * (now2 - old2);
+  push(c, side, s, change, cross(load(c.center_a), change), cross(load(c.center_b), change));
 }
 
 // One round: points that strike leave with restitution x the speed they came with (Newton's law), or faster.
 void strike_batches(const ContactPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
-    if ((!p.sides[i].bounces && !p.all_strike) || !p.strikes[i].acts) continue;
+    if ((!p.batches[i].bounces && !p.all_strike) || !p.strikes[i].acts) continue;
     ContactBatch& c = p.batches[i];
     BatchSide& side = p.sides[i];
     StrikeBatch& strike = p.strikes[i];
     Sides s;
     gather_velocity(p, c, s);
-    const Lanes3 n = load(c.normal);
-    const Lanes along = dot(n, linear(s.b) - linear(s.a)), zero = zero_lanes(), e = load(side.restitution);
+    const Frame f = frame_of(c);
+    const Closing speeds = speeds_of(f, c, s);
+    const Lanes zero = zero_lanes(), e = load(side.restitution);
     Lanes speed[kBatchPoints];
-    for (unsigned j = 0; j < c.points; ++j) speed[j] = point_speed(c.point[j], along, angular(s.a), angular(s.b));
-    Lanes sum = zero, held = zero;
-    Lanes3 angular_a{}, angular_b{};
+    for (unsigned j = 0; j < c.points; ++j) speed[j] = point_closing(c.point[j], speeds);
+    Lanes held = zero;
+    Pressed changes{};
     for (unsigned j = 0; j < c.points; ++j) {
       BatchPoint& q = c.point[j];
       const Lanes approach = load(strike.approach[j]), old = load(strike.impulse[j]);
@@ -154,13 +155,11 @@ void strike_batches(const ContactPass& p) {
       store(strike.impulse[j], now);
       store(side.total[j], load(side.total[j]) + change);
       held += now;
-      sum += change;
-      angular_a = angular_a + load(q.angular_a) * change;
-      angular_b = angular_b + load(q.angular_b) * change;
+      changes.add(q, change);
       for (unsigned k = j + 1; k < c.points; ++k) speed[k] += load(c.coupling[kPair[j][k]]) * change;
     }
-    push(c, s, n * sum, angular_a, angular_b);
-    strike_friction(c, strike, held, s);
+    push_normal(f, c, side, s, changes);
+    strike_friction(f, c, side, strike, held, s);
     write_back(p, c, s);
     note_struck(p, c, strike);
   }
