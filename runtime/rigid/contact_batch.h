@@ -45,22 +45,25 @@ struct ContactBatch {
   Lane8 friction_static, friction_dynamic;
 };
 
-// Cold data of a batch: what the inner loops rarely need.
+// What the pass with bias does not need.
 struct BatchSide {
-  Lane8 total[kBatchPoints];     // sum of the normal impulses over the substeps, N s
-  Lane8 approach[kBatchPoints];  // relative normal speed at the start of the step, m/s; for events
+  Lane8 total[kBatchPoints];  // sum of the normal impulses over the substeps, N s
   Lane8 restitution;
-  Lane8 lands;                    // 1: new, or along gravity; else 0
-  Lane8 tangent_speed[2];         // wanted, m/s (conveyor)
-  Lane8 rolling_arm;              // m
-  Lane8 rolling_mass[6];          // inverse of the sum of the inverse inertias, kg m^2
-  Lane8x3 rolling_impulse;        // N m s
-  Lane8x3 axes_a, axes_b;         // where something is locked: inverse masses by world axis, 1/kg
 };
 
-// Arms from the centres of mass to the points of a batch, m: of contacts as `prepare` takes them.
-struct BatchArms {
-  Lane8x3 a[kBatchPoints], b[kBatchPoints];
+// What few batches need: where nothing rolls, conveys or is locked it is not touched, and takes no memory.
+struct BatchExtra {
+  Lane8x3 axes_a, axes_b;    // where something is locked: inverse masses by world axis, 1/kg
+  Lane8 tangent_speed[2];    // wanted, m/s (conveyor)
+  Lane8 rolling_arm;         // m
+  Lane8 rolling_mass[6];     // inverse of the sum of the inverse inertias, kg m^2
+  Lane8x3 rolling_impulse;   // N m s
+};
+
+// What only `prepare` takes of a batch.
+struct BatchInput {
+  Lane8x3 arm_a[kBatchPoints], arm_b[kBatchPoints];  // from the centres of mass to the points, m
+  Lane8 lands;                                       // 1: new, or along gravity; else 0
 };
 
 // Impacts of a batch within a substep; only in steps where something bounces.
@@ -87,7 +90,8 @@ struct ContactPass {
   ContactBatch* batches;
   BatchSide* sides;
   StrikeBatch* strikes;
-  const BatchArms* arms;  // of the batch `first`, alone; for `prepare`
+  BatchExtra* extras;
+  const BatchInput* input;  // of the batch `first`, alone; for `prepare`
   unsigned first, last;  // range of batches
   WideReal* bodies;      // SolverBody as 16 numbers each
   const WideMass* masses;

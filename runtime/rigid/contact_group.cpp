@@ -37,6 +37,7 @@ void ContactGroup::build(const SolverInput& in, StepContext& c, const ContactSha
   color(in, c, shared, slots);
   batches_ = c.scratch->take<ContactBatch>(batch_count_);
   sides_ = c.scratch->take<BatchSide>(batch_count_);
+  extras_ = c.scratch->take<BatchExtra>(batch_count_);
 }
 
 void ContactGroup::color(const SolverInput& in, StepContext& c, const ContactShared& shared,
@@ -130,8 +131,15 @@ void ContactGroup::check_colors(const SolverInput& in, StepContext& c, const Con
   FEDER_ASSERT(active == listed);
 }
 
+// Cleared when a first lane uses it.
+BatchExtra& ContactGroup::use_extra(std::uint32_t batch) {
+  BatchExtra& extra = extras_[batch];
+  if (!batches_[batch].rolls && !batches_[batch].conveys) std::memset(static_cast<void*>(&extra), 0, sizeof extra);
+  return extra;
+}
+
 void ContactGroup::fill_lane(const Contact& contact, const Vec3& gravity, std::uint32_t batch, int lane,
-                             BatchArms& arms) {
+                             BatchInput& input) {
   FEDER_ASSERT(contact.touching && !contact.sensor);
   FEDER_ASSERT(contact.point_count >= 1 && contact.point_count <= kBatchPoints);
   ContactBatch& c = batches_[batch];
@@ -145,15 +153,15 @@ void ContactGroup::fill_lane(const Contact& contact, const Vec3& gravity, std::u
   for (int j = 0; j < contact.point_count; ++j) {
     const ContactPoint& from = contact.points[j];
     BatchPoint& q = c.point[j];
-    put(arms.a[j], from.arm_a);
-    put(arms.b[j], from.arm_b);
+    put(input.arm_a[j], from.arm_a);
+    put(input.arm_b[j], from.arm_b);
     q.separation.v[lane] = from.separation;
     q.impulse.v[lane] = share * from.normal_impulse;
     q.mass.v[lane] = 1;
   }
   c.points = std::max(c.points, static_cast<unsigned char>(contact.point_count));
   // landing: no warm start, and about to carry weight: worth more rounds
-  side.lands.v[lane] = contact.fresh || std::fabs(dot(contact.normal, gravity)) > length(gravity) / 2 ? 1 : 0;
+  input.lands.v[lane] = contact.fresh || std::fabs(dot(contact.normal, gravity)) > length(gravity) / 2 ? 1 : 0;
   // friction and restitution
   c.friction_static.v[lane] = contact.friction_static;
   c.friction_dynamic.v[lane] = contact.friction_dynamic;
@@ -163,22 +171,25 @@ void ContactGroup::fill_lane(const Contact& contact, const Vec3& gravity, std::u
   if (!contact.surface_velocity.isZero(0)) {
     Vec3 t1, t2;
     tangent_frame(contact.normal, t1, t2);
+    BatchExtra& extra = use_extra(batch);
     c.conveys = 1;
-    side.tangent_speed[0].v[lane] = dot(contact.surface_velocity, t1);
-    side.tangent_speed[1].v[lane] = dot(contact.surface_velocity, t2);
+    extra.tangent_speed[0].v[lane] = dot(contact.surface_velocity, t1);
+    extra.tangent_speed[1].v[lane] = dot(contact.surface_velocity, t2);
   }
   side.restitution.v[lane] = contact.restitution;
   if (contact.restitution > 0) c.bounces = 1;
-  if (contact.rolling_friction > 0) c.rolls = 1;
-  side.rolling_arm.v[lane] = contact.rolling_friction;
-  put(side.rolling_impulse, share * contact.rolling_impulse);
+  if (!(contact.rolling_friction > 0)) return;
+  BatchExtra& extra = use_extra(batch);
+  c.rolls = 1;
+  extra.rolling_arm.v[lane] = contact.rolling_friction;
+  put(extra.rolling_impulse, share * contact.rolling_impulse);
 }
 
 void ContactGroup::fill_batch(const SolverInput& in, const ContactShared& shared, const Vec3& gravity,
-                              std::uint32_t batch, BatchArms& arms) {
+                              std::uint32_t batch, BatchInput& input) {
   ContactBatch& c = batches_[batch];
   std::memset(static_cast<void*>(&c), 0, sizeof c);
-  std::memset(static_cast<void*>(&arms), 0, sizeof arms);
+  std::memset(static_cast<void*>(&input), 0, sizeof input);
   std::memset(static_cast<void*>(&sides_[batch]), 0, sizeof(BatchSide));
   for (int lane = 0; lane < kLanes; ++lane) {
     const std::uint32_t slot = lanes_[std::size_t(batch) * kLanes + static_cast<std::size_t>(lane)];
@@ -193,21 +204,21 @@ void ContactGroup::fill_batch(const SolverInput& in, const ContactShared& shared
     if (moves_b) c.writes_b |= bit;
     if (!moves_a || !moves_b) c.fixed |= bit;
     c.leak.v[lane] = 1 + kCrowd * std::max(std::max(shared.crowd[a], shared.crowd[b]) - 1, Real(0));
-    fill_lane(contact, gravity, batch, lane, arms);
+    fill_lane(contact, gravity, batch, lane, input);
   }
 }
 
 void ContactGroup::prepare(const SolverInput& in, const ContactShared& shared, const Vec3& gravity,
                            const ContactKernels& kernels, ContactPass pass) {
-  BatchArms arms;
-  pass.arms = &arms;
+  BatchInput input;
+  pass.input = &input;
   const std::uint32_t first = pass.first, last = pass.last;
   int color = 0;  // the next
   for (std::uint32_t batch = first; batch < last; ++batch) {
     if (batch + 1 < last)
       for (const std::uint32_t slot : lanes_of(batch + 1))
         if (slot != kNone) prefetch(in.contacts->slots[slot]);
-    fill_batch(in, shared, gravity, batch, arms);
+    fill_batch(in, shared, gravity, batch, input);
     while (color < kColors && color_first_[color] <= batch) ++color;
     batches_[batch].last_of_color = batch < overflow_count_ || batch + 1 == color_first_[color];
     pass.first = batch, pass.last = batch + 1;
@@ -228,13 +239,14 @@ void ContactGroup::store_batch(Contacts& contacts, std::uint32_t batch) const {
       ContactPoint& to = contact.points[j];
       to.normal_impulse = whole * c.point[j].impulse.v[lane];
       to.total_impulse = side.total[j].v[lane];
-      to.approach_speed = side.approach[j].v[lane];
     }
     contact.tangent_impulse[0] = whole * c.tangent_impulse[0].v[lane];
     contact.tangent_impulse[1] = whole * c.tangent_impulse[1].v[lane];
     contact.twist_impulse = whole * c.twist_impulse.v[lane];
-    contact.rolling_impulse =
-        whole * Vec3(side.rolling_impulse.x.v[lane], side.rolling_impulse.y.v[lane], side.rolling_impulse.z.v[lane]);
+    contact.rolling_impulse = Vec3::Zero();
+    if (!c.rolls) continue;
+    const Lane8x3& rolling = extras_[batch].rolling_impulse;
+    contact.rolling_impulse = whole * Vec3(rolling.x.v[lane], rolling.y.v[lane], rolling.z.v[lane]);
   }
 }
 
@@ -253,6 +265,7 @@ ContactPass ContactGroup::pass() const {
   ContactPass p{};
   p.batches = batches_;
   p.sides = sides_;
+  p.extras = extras_;
   p.strikes = strikes_;
   return p;
 }

@@ -91,12 +91,14 @@ class ContactGroup {
     return {lanes_ + std::size_t(batch) * kLanes, kLanes};
   }
   void fill_batch(const SolverInput& in, const ContactShared& shared, const Vec3& gravity, std::uint32_t batch,
-                  BatchArms& arms);
-  void fill_lane(const Contact& contact, const Vec3& gravity, std::uint32_t batch, int lane, BatchArms& arms);
+                  BatchInput& input);
+  void fill_lane(const Contact& contact, const Vec3& gravity, std::uint32_t batch, int lane, BatchInput& input);
+  BatchExtra& use_extra(std::uint32_t batch);
   void store_batch(Contacts& contacts, std::uint32_t batch) const;
 
   ContactBatch* batches_ = nullptr;
   BatchSide* sides_ = nullptr;
+  BatchExtra* extras_ = nullptr;
   StrikeBatch* strikes_ = nullptr;  // null: none are expected
   bool bounces_ = false;
   std::uint32_t* lanes_ = nullptr;  // contact slot by batch and lane, kNone where empty

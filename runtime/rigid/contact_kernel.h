@@ -93,15 +93,21 @@ struct Sides {
 [[gnu::always_inline]] inline Lanes3 angular(const Lanes (&rows)[kLanes]) { return {rows[3], rows[4], rows[5]}; }
 
 // Velocities changed by the linear impulse `l` and the angular impulses (on b; the opposite signs on a).
-[[gnu::always_inline]] inline void push(const ContactBatch& c, const BatchSide& side, Sides& s, const Lanes3& l,
+[[gnu::always_inline]] inline void push(const ContactBatch& c, const BatchExtra& extra, Sides& s, const Lanes3& l,
                                         const Lanes3& angular_a, const Lanes3& angular_b) {
   Lanes3 la = l * load(c.inv_mass_a), lb = l * load(c.inv_mass_b);
-  if (c.locked) la = times(load(side.axes_a), l), lb = times(load(side.axes_b), l);
+  if (c.locked) la = times(load(extra.axes_a), l), lb = times(load(extra.axes_b), l);
   put(s.a, linear(s.a) - la, angular(s.a) - times(c.inv_inertia_a, angular_a));
   put(s.b, linear(s.b) + lb, angular(s.b) + times(c.inv_inertia_b, angular_b));
 }
 
-// The same for an angular impulse alone.
+// What a linear impulse through the centres would change of b's velocity against a's.
+[[gnu::always_inline]] inline Lanes3 parting_of(const ContactBatch& c, const BatchExtra& extra, const Lanes3& l) {
+  const Lanes3 all = l * (load(c.inv_mass_a) + load(c.inv_mass_b));
+  return c.locked ? times(load(extra.axes_a) + load(extra.axes_b), l) : all;
+}
+
+// The same as `push` for an angular impulse alone.
 [[gnu::always_inline]] inline void turn(const ContactBatch& c, Sides& s, const Lanes3& change) {
   const Lanes3 a = angular(s.a) - times(c.inv_inertia_a, change), b = angular(s.b) + times(c.inv_inertia_b, change);
   put(s.a, linear(s.a), a);
@@ -155,14 +161,15 @@ struct Pressed {
   }
 };
 
-[[gnu::always_inline]] inline void push_normal(const Frame& f, const ContactBatch& c, const BatchSide& side, Sides& s,
-                                               const Pressed& p) {
+[[gnu::always_inline]] inline void push_normal(const Frame& f, const ContactBatch& c, const BatchExtra& extra,
+                                               Sides& s, const Pressed& p) {
   const Lanes3 l = f.n * p.sum, off = f.t1 * p.y - f.t2 * p.x;
-  push(c, side, s, l, cross(load(c.center_a), l) + off, cross(load(c.center_b), l) + off);
+  push(c, extra, s, l, cross(load(c.center_a), l) + off, cross(load(c.center_b), l) + off);
 }
 
-[[gnu::always_inline]] inline void prepare_masses(const ContactPass& p, ContactBatch& c, BatchSide& side) {
-  c.locked = 0;
+[[gnu::always_inline]] inline void prepare_masses(const ContactPass& p, ContactBatch& c, BatchExtra& extra) {
+  Lanes3 axes[2];
+  LaneMask locked{};
   for (int k = 0; k < 2; ++k) {
     const unsigned* index = k ? c.index_b : c.index_a;
     Lanes r[kLanes];
@@ -170,21 +177,22 @@ struct Pressed {
     transpose(r);
     const Lanes inv_mass = max(max(r[0], r[1]), r[2]);
     store(k ? c.inv_mass_b : c.inv_mass_a, inv_mass);
-    store(k ? side.axes_b : side.axes_a, Lanes3{r[0], r[1], r[2]});
-    if (any((r[0] < inv_mass) | (r[1] < inv_mass) | (r[2] < inv_mass))) c.locked = 1;
+    axes[k] = {r[0], r[1], r[2]};
+    locked |= (r[0] < inv_mass) | (r[1] < inv_mass) | (r[2] < inv_mass);
     Lane8* inertia = k ? c.inv_inertia_b : c.inv_inertia_a;
     for (int n = 0; n < 5; ++n) store(inertia[n], r[n + 3]);
     for (int i = 0; i < kLanes; ++i) inertia[5].v[i] = p.masses[index[i]].inv_inertia[5];
   }
+  c.locked = any(locked);
+  if (c.locked) store(extra.axes_a, axes[0]), store(extra.axes_b, axes[1]);
 }
 
 // Effective masses and couplings of the points; kFirst: their masses are 1 or 0, and the compliance is not known.
 template <bool kFirst>
 [[gnu::always_inline]] inline void prepare_normals(const ContactPass& p, const Frame& f, ContactBatch& c,
-                                                   const BatchSide& side) {
+                                                   const BatchExtra& extra) {
   const Lanes one = all_lanes(1), zero = zero_lanes();
-  const Lanes3 inv_mass = load(side.axes_a) + load(side.axes_b);
-  const Lanes along = dot(times(inv_mass, f.n), f.n);
+  const Lanes along = dot(parting_of(c, extra, f.n), f.n);
   const Lanes3 center_a = cross(load(c.center_a), f.n), center_b = cross(load(c.center_b), f.n);
   Lanes3 a[kBatchPoints], b[kBatchPoints];
   Lanes sum = zero;
@@ -213,14 +221,14 @@ template <bool kFirst>
 
 // The centre of the manifold from the arms, and where the points lie around it: by the arms of the body that is nearer,
 // which are the more exact ones.
-[[gnu::always_inline]] inline void prepare_center(const BatchArms& arms, const Frame& f, ContactBatch& c) {
+[[gnu::always_inline]] inline void prepare_center(const BatchInput& in, const Frame& f, ContactBatch& c) {
   Lanes count = zero_lanes();
   Lanes3 a{}, b{};
   for (int j = 0; j < kBatchPoints; ++j) {
     const Lanes valid = load(c.point[j].mass);
     count += valid;
-    a = a + load(arms.a[j]) * valid;
-    b = b + load(arms.b[j]) * valid;
+    a = a + load(in.arm_a[j]) * valid;
+    b = b + load(in.arm_b[j]) * valid;
   }
   const Lanes weight = all_lanes(1) / max(count, all_lanes(1));
   a = a * weight, b = b * weight;
@@ -228,22 +236,21 @@ template <bool kFirst>
   store(c.center_b, b);
   const LaneMask by_a = dot(a, a) <= dot(b, b);
   for (int j = 0; j < kBatchPoints; ++j) {
-    const Lanes3 d = select(by_a, load(arms.a[j]) - a, load(arms.b[j]) - b);
+    const Lanes3 d = select(by_a, load(in.arm_a[j]) - a, load(in.arm_b[j]) - b);
     store(c.point[j].x, dot(d, f.t1) * load(c.point[j].mass));
     store(c.point[j].y, dot(d, f.t2) * load(c.point[j].mass));
   }
 }
 
-[[gnu::always_inline]] inline void prepare_friction(const Frame& f, ContactBatch& c, const BatchSide& side) {
+[[gnu::always_inline]] inline void prepare_friction(const Frame& f, ContactBatch& c, const BatchExtra& extra) {
   const Lanes3 &n = f.n, &t1 = f.t1, &t2 = f.t2;
-  const Lanes3 inv_mass = load(side.axes_a) + load(side.axes_b);
+  const Lanes3 m1 = parting_of(c, extra, t1), m2 = parting_of(c, extra, t2);
   const Lanes3 a1 = cross(load(c.center_a), t1), a2 = cross(load(c.center_a), t2);
   const Lanes3 b1 = cross(load(c.center_b), t1), b2 = cross(load(c.center_b), t2);
   const Lanes3 ia1 = times(c.inv_inertia_a, a1), ib1 = times(c.inv_inertia_b, b1);
-  const Lanes k11 = dot(times(inv_mass, t1), t1) + dot(a1, ia1) + dot(b1, ib1);
-  const Lanes k12 = dot(times(inv_mass, t1), t2) + dot(a2, ia1) + dot(b2, ib1);
-  const Lanes k22 =
-      dot(times(inv_mass, t2), t2) + dot(a2, times(c.inv_inertia_a, a2)) + dot(b2, times(c.inv_inertia_b, b2));
+  const Lanes k11 = dot(m1, t1) + dot(a1, ia1) + dot(b1, ib1);
+  const Lanes k12 = dot(m1, t2) + dot(a2, ia1) + dot(b2, ib1);
+  const Lanes k22 = dot(m2, t2) + dot(a2, times(c.inv_inertia_a, a2)) + dot(b2, times(c.inv_inertia_b, b2));
   // singular (planar worlds, locked axes): the pseudo-inverse of a matrix of rank one, so that a direction in which
   // nothing but rounding can move gets no impulse
   const Lanes det = k11 * k22 - k12 * k12, trace2 = (k11 + k22) * (k11 + k22);
@@ -257,7 +264,7 @@ template <bool kFirst>
 }
 
 // Inverse of a symmetric matrix by cofactors; zero when singular.
-[[gnu::always_inline]] inline void prepare_rolling(const ContactBatch& c, BatchSide& side) {
+[[gnu::always_inline]] inline void prepare_rolling(const ContactBatch& c, BatchExtra& extra) {
   Lanes m[6];
   for (int k = 0; k < 6; ++k) m[k] = load(c.inv_inertia_a[k]) + load(c.inv_inertia_b[k]);
   // an axis without rotation (planar worlds) gets no impulse; in units of the trace: determinants of large bodies
@@ -268,38 +275,35 @@ template <bool kFirst>
   const Lanes cxx = m[1] * m[2] - m[5] * m[5], cxy = m[4] * m[5] - m[3] * m[2], cxz = m[3] * m[5] - m[4] * m[1];
   const Lanes det = m[0] * cxx + m[3] * cxy + m[4] * cxz;
   const Lanes inv = reciprocal_or_zero(det) * per_trace;
-  store(side.rolling_mass[0], cxx * inv);
-  store(side.rolling_mass[1], (m[0] * m[2] - m[4] * m[4]) * inv);
-  store(side.rolling_mass[2], (m[0] * m[1] - m[3] * m[3]) * inv);
-  store(side.rolling_mass[3], cxy * inv);
-  store(side.rolling_mass[4], cxz * inv);
-  store(side.rolling_mass[5], (m[3] * m[4] - m[0] * m[5]) * inv);
+  store(extra.rolling_mass[0], cxx * inv);
+  store(extra.rolling_mass[1], (m[0] * m[2] - m[4] * m[4]) * inv);
+  store(extra.rolling_mass[2], (m[0] * m[1] - m[3] * m[3]) * inv);
+  store(extra.rolling_mass[3], cxy * inv);
+  store(extra.rolling_mass[4], cxz * inv);
+  store(extra.rolling_mass[5], (m[3] * m[4] - m[0] * m[5]) * inv);
 }
 
 void prepare_batches(const ContactPass& p) {
-  FEDER_ASSERT(p.first + 1 == p.last && p.arms);
+  FEDER_ASSERT(p.first + 1 == p.last && p.input);
   ContactBatch& c = p.batches[p.first];
-  BatchSide& side = p.sides[p.first];
+  BatchExtra& extra = p.extras[p.first];
   FEDER_ASSERT(c.points >= 1 && c.points <= kBatchPoints);
   // the world is never written
   for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.index_a[k] > 0 || !(c.writes_a >> k & 1u));
   for (int k = 0; k < kLanes; ++k) FEDER_ASSERT(c.index_b[k] > 0 || !(c.writes_b >> k & 1u));
   const Frame f = frame_of(c);
-  prepare_center(*p.arms, f, c);
-  prepare_masses(p, c, side);
-  prepare_normals<true>(p, f, c, side);
-  prepare_friction(f, c, side);
-  if (c.rolls) prepare_rolling(c, side);
+  prepare_center(*p.input, f, c);
+  prepare_masses(p, c, extra);
+  prepare_normals<true>(p, f, c, extra);
+  prepare_friction(f, c, extra);
+  if (c.rolls) prepare_rolling(c, extra);
   Sides s;
   gather_velocity(p, c, s);
   const Closing speeds = speeds_of(f, c, s);
-  Lanes warm = zero_lanes(), closing = load(side.lands);
+  Lanes warm = zero_lanes(), closing = load(p.input->lands);
   for (int j = 0; j < kBatchPoints; ++j) {
-    const Lanes approach = point_closing(c.point[j], speeds);
-    store(side.approach[j], approach);
-    store(side.total[j], zero_lanes());
     warm += load(c.point[j].impulse);
-    closing = max(closing, -approach);
+    closing = max(closing, -point_closing(c.point[j], speeds));
   }
   c.warm = static_cast<unsigned char>(bits_of(warm > zero_lanes()));
   const LaneMask landing = ~(warm > zero_lanes()) & (closing > all_lanes(kColdSpeed));
@@ -309,24 +313,24 @@ void prepare_batches(const ContactPass& p) {
 void renew_batches(const ContactPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     ContactBatch& c = p.batches[i];
-    BatchSide& side = p.sides[i];
+    BatchExtra& extra = p.extras[i];
     const Frame f = frame_of(c);
-    prepare_masses(p, c, side);
-    prepare_normals<false>(p, f, c, side);
-    prepare_friction(f, c, side);
-    if (c.rolls) prepare_rolling(c, side);
+    prepare_masses(p, c, extra);
+    prepare_normals<false>(p, f, c, extra);
+    prepare_friction(f, c, extra);
+    if (c.rolls) prepare_rolling(c, extra);
   }
 }
 
 // Velocity change by the impulses of a batch.
-[[gnu::always_inline]] inline void push_impulses(const ContactBatch& c, const BatchSide& side, Sides& s) {
+[[gnu::always_inline]] inline void push_impulses(const ContactBatch& c, const BatchExtra& extra, Sides& s) {
   const Frame f = frame_of(c);
   Pressed pressed{};
   for (unsigned j = 0; j < c.points; ++j) pressed.add(c.point[j], load(c.point[j].impulse));
   const Lanes3 l = f.n * pressed.sum + f.t1 * load(c.tangent_impulse[0]) + f.t2 * load(c.tangent_impulse[1]);
   Lanes3 off = f.t1 * pressed.y - f.t2 * pressed.x + f.n * load(c.twist_impulse);
-  if (c.rolls) off = off + load(side.rolling_impulse);
-  push(c, side, s, l, cross(load(c.center_a), l) + off, cross(load(c.center_b), l) + off);
+  if (c.rolls) off = off + load(extra.rolling_impulse);
+  push(c, extra, s, l, cross(load(c.center_a), l) + off, cross(load(c.center_b), l) + off);
 }
 
 void warm_start_batches(const ContactPass& p) {
@@ -334,7 +338,7 @@ void warm_start_batches(const ContactPass& p) {
     const ContactBatch& c = p.batches[i];
     Sides s;
     gather_velocity(p, c, s);
-    push_impulses(c, p.sides[i], s);
+    push_impulses(c, p.extras[i], s);
     write_back(p, c, s);
   }
 }
@@ -439,7 +443,7 @@ template <int kHalf, bool kBiased, int kCount, int kWide>
 // Over-relaxed impulses into the velocities: of what rests, where one relax pass has to remove the bias. Returns the
 // sum of the impulses.
 template <bool kBiased, int kCount>
-[[gnu::always_inline]] inline Lanes end_normals(const Frame& f, ContactBatch& c, const BatchSide& side,
+[[gnu::always_inline]] inline Lanes end_normals(const Frame& f, ContactBatch& c, const BatchExtra& extra,
                                                 Normals<kBiased, kCount>& x, Sides& s) {
   const Lanes over = select(~mask_of(c.fixed) & mask_of(c.warm), all_lanes(kOver), all_lanes(1));
   Lanes held = zero_lanes();
@@ -451,7 +455,7 @@ template <bool kBiased, int kCount>
     held += now;
     changes.add(c.point[j], now - x.before[j]);
   });
-  push_normal(f, c, side, s, changes);
+  push_normal(f, c, extra, s, changes);
   return held;
 }
 
@@ -461,6 +465,7 @@ template <bool kBiased, int kCount, int kWide>
                                                  Sides (&s)[kWide], Lanes (&held)[kWide]) {
   ContactBatch* c = p.batches + first;
   const BatchSide* side = p.sides + first;
+  const BatchExtra* extra = p.extras + first;
   Normals<kBiased, kCount> x[kWide];
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { begin_normals(p, f[i], c[i], side[i], s[i], x[i]); });
   for (unsigned round = 0; round < c->rounds; ++round) {
@@ -469,18 +474,18 @@ template <bool kBiased, int kCount, int kWide>
     else
       sweep<0>(c, x);
   }
-  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { held[i] = end_normals(f[i], c[i], side[i], x[i], s[i]); });
+  each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { held[i] = end_normals(f[i], c[i], extra[i], x[i], s[i]); });
 }
 
 // Torque against rolling, at most arm x normal impulse.
-[[gnu::always_inline]] inline void relax_rolling(const ContactBatch& c, BatchSide& side, Lanes held, Sides& s) {
-  const Lanes3 old = load(side.rolling_impulse);
-  Lanes3 now = old - times(side.rolling_mass, angular(s.b) - angular(s.a));
-  const Lanes limit = load(side.rolling_arm) * held;
+[[gnu::always_inline]] inline void relax_rolling(const ContactBatch& c, BatchExtra& extra, Lanes held, Sides& s) {
+  const Lanes3 old = load(extra.rolling_impulse);
+  Lanes3 now = old - times(extra.rolling_mass, angular(s.b) - angular(s.a));
+  const Lanes limit = load(extra.rolling_arm) * held;
   const Lanes size = square_root(dot(now, now));
   const LaneMask over = size > limit;
   now = now * select(over, limit / select(over, size, all_lanes(1)), all_lanes(1));
-  store(side.rolling_impulse, now);
+  store(extra.rolling_impulse, now);
   turn(c, s, now - old);
 }
 
@@ -505,11 +510,11 @@ template <bool kBiased, int kCount, int kWide>
 // another round is worth it: friction against an immovable body that matters, and may stick, still changes. Between two
 // solver bodies the neighbours are no better converged than that.
 template <bool kBiased>
-[[gnu::always_inline]] inline bool relax_friction(const Frame& f, ContactBatch& c, const BatchSide& side, Lanes held,
+[[gnu::always_inline]] inline bool relax_friction(const Frame& f, ContactBatch& c, const BatchExtra& extra, Lanes held,
                                                   Sides& s) {
   const Lanes3 v = center_motion(c, linear(s.b) - linear(s.a), angular(s.a), angular(s.b));
   Lanes v1 = dot(v, f.t1), v2 = dot(v, f.t2);
-  if (c.conveys) v1 = v1 - load(side.tangent_speed[0]), v2 = v2 - load(side.tangent_speed[1]);
+  if (c.conveys) v1 = v1 - load(extra.tangent_speed[0]), v2 = v2 - load(extra.tangent_speed[1]);
   const Lanes old1 = load(c.tangent_impulse[0]), old2 = load(c.tangent_impulse[1]);
   const Lanes m11 = load(c.tangent_mass[0]), m12 = load(c.tangent_mass[1]), m22 = load(c.tangent_mass[2]);
   const Lanes part = all_lanes(kBiased ? kBiasFriction : 1);
@@ -523,7 +528,7 @@ template <bool kBiased>
   store(c.tangent_impulse[1], now2);
   const Lanes d1 = now1 - old1, d2 = now2 - old2;
   const Lanes3 change = f.t1 * d1 + f.t2 * d2;
-  push(c, side, s, change, cross(load(c.center_a), change), cross(load(c.center_b), change));
+  push(c, extra, s, change, cross(load(c.center_a), change), cross(load(c.center_b), change));
   const Lanes most = max(max(d1, -d1), max(d2, -d2));
   return any((most > all_lanes(kLoadPart) * limit) & (size > all_lanes(kLightPart) * limit) & ~slides &
              mask_of(c.fixed));
@@ -544,7 +549,7 @@ void solve_some(const ContactPass& p, unsigned first) {
   });
   solve_normals<true, kCount, kWide>(p, first, f, s, held);
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
-    relax_friction<true>(f[i], p.batches[first + i], p.sides[first + i], held[i], s[i]);
+    relax_friction<true>(f[i], p.batches[first + i], p.extras[first + i], held[i], s[i]);
   });
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { write_back(p, p.batches[first + i], s[i]); });
 }
@@ -552,7 +557,7 @@ void solve_some(const ContactPass& p, unsigned first) {
 // Sudden load: friction rotates the bodies, which shifts the normal impulses, which limit friction. Further rounds.
 [[gnu::noinline]] void relax_loaded(const ContactPass& p, unsigned i) {
   ContactBatch& c = p.batches[i];
-  BatchSide& side = p.sides[i];
+  BatchExtra& extra = p.extras[i];
   Sides s[1];
   Lanes held[1];
   gather_velocity(p, c, s[0]);
@@ -560,9 +565,9 @@ void solve_some(const ContactPass& p, unsigned first) {
   const Frame f[1] = {frame_of(c)};
   for (unsigned round = 1; round < kLoadRounds; ++round) {
     solve_normals<false, kBatchPoints, 1>(p, i, f, s, held);
-    if (c.rolls) relax_rolling(c, side, held[0], s[0]);
+    if (c.rolls) relax_rolling(c, extra, held[0], s[0]);
     relax_twist(f[0], c, s[0]);
-    if (!relax_friction<false>(f[0], c, side, held[0], s[0])) break;
+    if (!relax_friction<false>(f[0], c, extra, held[0], s[0])) break;
   }
   write_back(p, c, s[0]);
 }
@@ -571,6 +576,7 @@ template <int kCount, int kWide>
 void relax_some(const ContactPass& p, unsigned first) {
   ContactBatch* c = p.batches + first;
   BatchSide* side = p.sides + first;
+  BatchExtra* extra = p.extras + first;
   Sides s[kWide];
   Frame f[kWide];
   Lanes held[kWide];
@@ -582,11 +588,11 @@ void relax_some(const ContactPass& p, unsigned first) {
   });
   solve_normals<false, kCount, kWide>(p, first, f, s, held);
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
-    if (c[i].rolls) relax_rolling(c[i], side[i], held[i], s[i]);
+    if (c[i].rolls) relax_rolling(c[i], extra[i], held[i], s[i]);
     relax_twist(f[i], c[i], s[i]);
   });
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
-    again[i] = relax_friction<false>(f[i], c[i], side[i], held[i], s[i]);
+    again[i] = relax_friction<false>(f[i], c[i], extra[i], held[i], s[i]);
   });
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { write_back(p, c[i], s[i]); });
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {

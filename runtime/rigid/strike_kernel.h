@@ -107,17 +107,18 @@ void ease_batches(const ContactPass& p) {
       store(q.impulse, old + change);
       Pressed pressed{};
       pressed.add(q, change);
-      push_normal(f, c, p.sides[i], s, pressed);
+      push_normal(f, c, p.extras[i], s, pressed);
     }
     write_back(p, c, s);
   }
 }
 
 // Friction of a strike: Coulomb's cone over the impulse `held` of its points so far.
-[[gnu::always_inline]] inline void strike_friction(const Frame& f, const ContactBatch& c, const BatchSide& side,
+[[gnu::always_inline]] inline void strike_friction(const Frame& f, const ContactBatch& c, const BatchExtra& extra,
                                                    StrikeBatch& strike, Lanes held, Sides& s) {
   const Lanes3 v = center_motion(c, linear(s.b) - linear(s.a), angular(s.a), angular(s.b));
-  const Lanes v1 = dot(v, f.t1) - load(side.tangent_speed[0]), v2 = dot(v, f.t2) - load(side.tangent_speed[1]);
+  Lanes v1 = dot(v, f.t1), v2 = dot(v, f.t2);
+  if (c.conveys) v1 = v1 - load(extra.tangent_speed[0]), v2 = v2 - load(extra.tangent_speed[1]);
   const Lanes old1 = load(strike.tangent[0]), old2 = load(strike.tangent[1]);
   const Lanes m11 = load(c.tangent_mass[0]), m12 = load(c.tangent_mass[1]), m22 = load(c.tangent_mass[2]);
   Lanes now1 = old1 - (m11 * v1 + m12 * v2), now2 = old2 - (m12 * v1 + m22 * v2);
@@ -128,7 +129,7 @@ void ease_batches(const ContactPass& p) {
   now1 = now1 * scale, now2 = now2 * scale;
   store(strike.tangent[0], now1), store(strike.tangent[1], now2);
   const Lanes3 change = f.t1 * (now1 - old1) + f.t2 * (now2 - old2);
-  push(c, side, s, change, cross(load(c.center_a), change), cross(load(c.center_b), change));
+  push(c, extra, s, change, cross(load(c.center_a), change), cross(load(c.center_b), change));
 }
 
 // One round: points that strike leave with restitution x the speed they came with (Newton's law), or faster.
@@ -158,8 +159,8 @@ void strike_batches(const ContactPass& p) {
       changes.add(q, change);
       for (unsigned k = j + 1; k < c.points; ++k) speed[k] += load(c.coupling[kPair[j][k]]) * change;
     }
-    push_normal(f, c, side, s, changes);
-    strike_friction(f, c, side, strike, held, s);
+    push_normal(f, c, p.extras[i], s, changes);
+    strike_friction(f, c, p.extras[i], strike, held, s);
     write_back(p, c, s);
     note_struck(p, c, strike);
   }

@@ -19,7 +19,7 @@ struct ContactPoint {
   Real separation = 0;      // at the start of this step, m
   Real normal_impulse = 0;  // accumulated in the last substep, N s; warm start
   Real total_impulse = 0;   // sum over the substeps of the last step, N s; for events
-  Real approach_speed = 0;  // relative normal speed at the start of the step (negative = closing), m/s
+  Real approach_speed = 0;  // relative normal speed when it was tested (negative = closing), m/s
   std::uint32_t feature = 0;
 #ifdef FEDER_REAL_DOUBLE
   std::uint32_t unused = 0;  // no padding: contacts are written to snapshots as bytes
