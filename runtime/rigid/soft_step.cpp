@@ -21,6 +21,7 @@
 #include "rigid/joint_impacts.h"
 #include "rigid/soft_joints.h"
 #include "rigid/solver.h"
+#include "rigid/spin_batch.h"
 #include "state/colliders.h"
 #include "state/contacts.h"
 #include "state/solver_bodies.h"
@@ -58,7 +59,7 @@ class SoftStep final : public RigidSolver {
         bounce_rounds_(p.integer({"bounce_rounds", "", {1, 100}}, 4)),
         joint_hertz_(p.real({"joint_hertz", "Hz", {0.1, 1e5}}, 60)),
         joint_damping_(p.real({"joint_damping", "", {0, 1e3}}, 2)), joint_trees_(p.flag({"joint_trees"}, true)),
-        arena_(arena), joint_kernels_(joint_kernels(wide_kernels(p))) {}
+        arena_(arena), joint_kernels_(joint_kernels(wide_kernels(p))), spin_kernels_(spin_kernels(wide_kernels(p))) {}
 
   void prepare(const SolverInput& in, StepContext& c) override;
   void solve(const SolverInput& in, StepContext& c) override;
@@ -98,14 +99,19 @@ class SoftStep final : public RigidSolver {
   // For all of them, in parallel.
   template <class F>
   void each_body(const Group& g, StepContext& c, F&& f) {
+    each_block(g, c, [&](std::uint32_t first, std::uint32_t last) { each_of(g, first, last, f); });
+  }
+  template <class F>
+  void each_block(const Group& g, StepContext& c, F&& f) {
     c.jobs->for_blocks(listed_bodies(g), kBodyGrain,
-                       [&](std::uint32_t first, std::uint32_t last, int) { each_of(g, first, last, f); });
+                       [&](std::uint32_t first, std::uint32_t last, int) { f(first, last); });
   }
   void make_groups(const SolverInput& in, StepContext& c);
   void prepare_contacts(const SolverInput& in, StepContext& c);
   void prepare_joints(Group& g, const SolverInput& in, StepContext& c);
   void start_velocity(std::uint32_t i, bool again, SolverBody& s);
-  void move(std::uint32_t i, Real h, std::span<const BodySlide> slides, const SolverInput& in);
+  void move(const Group& g, std::uint32_t first, std::uint32_t last, Real h, const SolverInput& in) const;
+  void move_sliding(std::uint32_t i, Real h, std::span<const BodySlide> slides, const SolverInput& in) const;
   void end_velocity(std::uint32_t i, const SolverBody& s);
   void report_corrections(const Group& g, const Piece& piece, const SolverInput& in);
   ContactPass pass(const Group& g, const Piece& piece, const SolverInput& in, const StepContext& c) const;
@@ -136,6 +142,7 @@ class SoftStep final : public RigidSolver {
   bool joint_trees_;
   Arena& arena_;
   const JointKernels& joint_kernels_;
+  const SpinKernels& spin_kernels_;
   Group groups_[kLevels];                                       // by level; the first has one piece
   bool split_ = false;                                          // there are others than the first
   JobPool::Stage stages_[3 * (ContactGroup::kMostStages + 1)];  // of a piece
@@ -354,18 +361,29 @@ Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, Real h) {
   return rotate_jointed(j, h);
 }
 
-// `slides`: of the group; empty where no tree corrects positions.
-[[gnu::always_inline]] inline void SoftStep::move(std::uint32_t i, Real h, std::span<const BodySlide> slides,
-                                                  const SolverInput& in) {
+// Displacements and poses of listed bodies.
+void SoftStep::move(const Group& g, std::uint32_t first, std::uint32_t last, Real h, const SolverInput& in) const {
+  SolverBody* state = in.solver_bodies->state.data();
+  const std::span<const BodySlide> slides =
+      g.joints.empty() ? std::span<const BodySlide>() : g.soft_joints->slides();
+  if (!slides.empty()) {
+    each_of(g, first, last, [&](std::uint32_t i) { move_sliding(i, h, slides, in); });
+  } else if (split_) {
+    each_of(g, first, last, [&](std::uint32_t i) { spin_kernels_.drift({velocities_of(*state), i, i + 1, h}); });
+  } else {
+    spin_kernels_.drift({velocities_of(*state), std::max(first, 1u), last, h});
+  }
+}
+
+// `slides`: by trees, which correct positions.
+void SoftStep::move_sliding(std::uint32_t i, Real h, std::span<const BodySlide> slides, const SolverInput& in) const {
+  FEDER_ASSERT(slides.size() == body_count_);
   SolverBody& s = in.solver_bodies->state[i];
   s.delta_position += h * s.velocity;
   Vec3 rotation = h * s.angular_velocity;
-  if (!slides.empty()) {
-    FEDER_ASSERT(slides.size() == body_count_);
-    s.delta_position += h * slides[i].velocity;
-    if (JointedBody* j = in.uneven(i)) rotation = drift_delta_rotation(*j, s, h);
-    rotation += h * slides[i].angular_velocity;
-  }
+  s.delta_position += h * slides[i].velocity;
+  if (JointedBody* j = in.uneven(i)) rotation = drift_delta_rotation(*j, s, h);
+  rotation += h * slides[i].angular_velocity;
   if (rotation[0] == 0 && rotation[1] == 0 && rotation[2] == 0) return;
   s.delta_rotation += rotation;
   s.rotation = integrate_rotation(s.rotation, rotation);
@@ -472,8 +490,7 @@ void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, 
     settle_impacts(g, piece, in, own, time);
   }
   run(kernels_->solve);
-  const std::span<const BodySlide> slides = jointed ? g.soft_joints->slides() : std::span<const BodySlide>();
-  each_body(g, c, [&](std::uint32_t i) { move(i, piece.h, slides, in); });
+  each_block(g, c, [&](std::uint32_t first, std::uint32_t last) { move(g, first, last, piece.h, in); });
   renew_contacts(g, piece, in, c);
   if (jointed) keep_out(g, in, c, [&] { g.soft_joints->relax(own, time); });
   if (jointed && !g.soft_joints->all_direct()) report_corrections(g, piece, in);
@@ -496,7 +513,7 @@ void SoftStep::solve_staged(Group& g, const Piece& piece, const SolverInput& in,
     return [&, f](std::uint32_t first, std::uint32_t last, int) { each_of(g, first, last, f); };
   };
   const auto start = over_bodies([&](std::uint32_t i) { start_velocity(i, !piece.first, state[i]); });
-  const auto drift = over_bodies([&](std::uint32_t i) { move(i, piece.h, {}, in); });
+  const auto drift = [&](std::uint32_t first, std::uint32_t last, int) { move(g, first, last, piece.h, in); };
   const auto end = over_bodies([&](std::uint32_t i) { end_velocity(i, state[i]); });
   const auto warm_start = over_batches(kernels_->warm_start), solve = over_batches(kernels_->solve),
              relax = over_batches(kernels_->relax);

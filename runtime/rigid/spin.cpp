@@ -9,13 +9,6 @@ namespace {
 
 constexpr JobGrain kSpinGrain{16, 3'000};  // batches per job
 
-SpinKernel pick_spin([[maybe_unused]] bool wide) {
-#if defined(__x86_64__) || defined(__i386__)
-  if (wide && runs_avx2()) return kSpinAvx2;
-#endif
-  return kSpinPlain;
-}
-
 void put(Lane8x3& to, std::uint32_t lane, const Vec3& v) {
   to.x.v[lane] = v[0], to.y.v[lane] = v[1], to.z.v[lane] = v[2];
 }
@@ -29,6 +22,13 @@ Vec3 from_middle(const Vec3& v) {
 Vec3 lane_of(const Lane8x3& from, std::uint32_t lane) { return {from.x.v[lane], from.y.v[lane], from.z.v[lane]}; }
 
 }  // namespace
+
+const SpinKernels& spin_kernels([[maybe_unused]] bool wide) {
+#if defined(__x86_64__) || defined(__i386__)
+  if (wide && runs_avx2()) return kSpinKernelsAvx2;
+#endif
+  return kSpinKernelsPlain;
+}
 
 // Lanes for the bodies of this step, ascending.
 void Rigid::Impl::list_spins(StepContext& c) {
@@ -75,12 +75,12 @@ void Rigid::Impl::spin(StepContext& c) {
   pass.start = c.substep == 0;
   pass.h = c.h;
   pass.close = kEpsilon;
-  const SpinKernel kernel = pick_spin(solver->wide());
+  const SpinKernels& kernels = spin_kernels(solver->wide());
   c.jobs->for_blocks(static_cast<std::uint32_t>(spin_batches.size()), kSpinGrain,
                      [&](std::uint32_t first, std::uint32_t last, int) {
                        SpinPass part = pass;
                        part.first = first, part.last = last;
-                       kernel(part);
+                       kernels.spin(part);
                      });
 }
 

@@ -1,5 +1,5 @@
-// Free rotation of bodies with uneven moments of inertia, eight bodies side by side, and the kernel on them. Plain
-// structs only, since a file compiled with -mavx2 includes them.
+// Free motion of eight bodies side by side: rotation by uneven moments of inertia, and what velocities do to poses.
+// Plain structs only, since a file compiled with -mavx2 includes them.
 #pragma once
 #include "base/simd.h"
 
@@ -30,8 +30,18 @@ struct SpinPass {
   WideReal close;        // a change of the angle by less ends the rounds, rad
 };
 
-using SpinKernel = void (*)(const SpinPass&);
-extern const SpinKernel kSpinPlain;
-extern const SpinKernel kSpinAvx2;
+struct DriftPass {
+  WideReal* bodies;      // SolverBody as 16 numbers each
+  unsigned first, last;  // range of solver indices
+  WideReal h;            // s
+};
+
+struct SpinKernels {
+  void (*spin)(const SpinPass&);
+  void (*drift)(const DriftPass&);  // displacements and poses, by the velocities
+};
+extern const SpinKernels kSpinKernelsPlain;
+extern const SpinKernels kSpinKernelsAvx2;
+const SpinKernels& spin_kernels(bool wide);
 
 }  // namespace feder

@@ -1,4 +1,4 @@
-// The kernel of spin_batch.h. Included by spin_plain.cpp and spin_avx2.cpp, which differ in compiler flags only and
+// The kernels of spin_batch.h. Included by spin_plain.cpp and spin_avx2.cpp, which differ in compiler flags only and
 // give the same bits. What contacts changed of the angular velocity is added to the angular momentum L through the
 // inertia they were solved with. A substep then rotates the body by the angular velocity at the middle of the rotation:
 // in principal axes at its start I w = exp(-[h w / 2]x) L (implicit midpoint), by fixed-point rounds. A round
@@ -66,24 +66,23 @@ struct Turn {
   return {s / x, versine / (x * x)};
 }
 
+[[gnu::always_inline]] inline Turn turn_of(Lanes x2) {
+  const Turn turn = short_turn(x2);
+  const LaneMask far = x2 > all_lanes(static_cast<WideReal>(0.25));
+  if (!any(far)) return turn;
+  const Turn other = long_turn(x2);
+  return {select(far, other.straight, turn.straight), select(far, other.bent, turn.bent)};
+}
+
 // exp(-[t]x) v, by Rodrigues' formula.
 [[gnu::always_inline]] inline Lanes3 rotated_back(const Lanes3& t, const Lanes3& v) {
-  const Lanes x2 = dot(t, t);
-  Turn turn = short_turn(x2);
-  const LaneMask far = x2 > all_lanes(static_cast<WideReal>(0.25));
-  if (any(far)) {
-    const Turn other = long_turn(x2);
-    turn = {select(far, other.straight, turn.straight), select(far, other.bent, turn.bent)};
-  }
+  const Turn turn = turn_of(dot(t, t));
   const Lanes3 along = cross(t, v);
   return v - along * turn.straight + cross(t, along) * turn.bent;
 }
 
 [[gnu::always_inline]] inline Lanes3 scaled(const Lanes3& a, const Lanes3& b) {
   return {a.x * b.x, a.y * b.y, a.z * b.z};
-}
-[[gnu::always_inline]] inline Lanes3 select3(LaneMask m, const Lanes3& yes, const Lanes3& no) {
-  return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
 }
 [[gnu::always_inline]] inline Lanes3 negated(const Lanes3& a) { return {-a.x, -a.y, -a.z}; }
 
@@ -94,7 +93,7 @@ struct Turn {
   LaneMask open = zero_lanes() == zero_lanes();
   for (int round = 0; round < kSpinRounds; ++round) {
     const Lanes3 next = scaled(inv_moments, rotated_back(w * half, l)), change = (next - w) * h;
-    w = select3(open, next, w);
+    w = select(open, next, w);
     open = open & (dot(change, change) > close);
     if (!any(open)) break;
   }
@@ -164,6 +163,43 @@ void spin_batches(const SpinPass& p) {
     motion[3] = w.x, motion[4] = w.y, motion[5] = w.z;
     transpose(motion);
     for (unsigned i = 0; i < b.count; ++i) store_row(p.bodies + b.index[i] * kSpinStride, motion[i]);
+  }
+}
+
+// Eight at a time; what does not rotate keeps its quaternion to the bit.
+void drift_bodies(const DriftPass& p) {
+  const Lanes h = all_lanes(p.h), half = all_lanes(static_cast<WideReal>(0.5)), zero = zero_lanes();
+  for (unsigned at = p.first; at < p.last; at += kLanes) {
+    const unsigned count = p.last - at < kLanes ? p.last - at : kLanes;
+    WideReal* rows[kLanes];
+    Lanes motion[kLanes], pose[kLanes];
+    for (unsigned i = 0; i < kLanes; ++i) {
+      rows[i] = p.bodies + (at + (i < count ? i : 0)) * kSpinStride;
+      motion[i] = load_row(rows[i]);
+      pose[i] = load_row(rows[i] + kLanes);
+    }
+    transpose(motion), transpose(pose);
+    motion[6] += h * motion[0], motion[7] += h * motion[1], pose[0] += h * motion[2];
+    const Lanes3 turn = Lanes3{motion[3], motion[4], motion[5]} * h;
+    pose[1] += turn.x, pose[2] += turn.y, pose[3] += turn.z;
+    // exp(turn / 2) q
+    const LaneMask still = (turn.x == zero) & (turn.y == zero) & (turn.z == zero);
+    const Lanes3 t = turn * half, q{pose[4], pose[5], pose[6]};
+    const Lanes x2 = dot(t, t);
+    const Turn sine = turn_of(x2);
+    const Lanes3 u = t * sine.straight;
+    const Lanes c = all_lanes(1) - sine.bent * x2, real = pose[7];
+    Lanes3 next = u * real + q * c + cross(u, q);
+    Lanes next_real = c * real - dot(u, q);
+    // its length is 1 but for rounding
+    const Lanes scale = all_lanes(static_cast<WideReal>(1.5)) - half * (dot(next, next) + next_real * next_real);
+    next = select(still, q, next * scale), next_real = select(still, real, next_real * scale);
+    pose[4] = next.x, pose[5] = next.y, pose[6] = next.z, pose[7] = next_real;
+    transpose(motion), transpose(pose);
+    for (unsigned i = 0; i < count; ++i) {
+      store_row(rows[i], motion[i]);
+      store_row(rows[i] + kLanes, pose[i]);
+    }
   }
 }
 

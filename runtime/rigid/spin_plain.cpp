@@ -1,6 +1,6 @@
-// The kernel of free rotation for any processor.
+// The kernels of free motion for any processor.
 #include "rigid/spin_kernel.h"
 
 namespace feder {
-const SpinKernel kSpinPlain = spin_batches;
+const SpinKernels kSpinKernelsPlain = {spin_batches, drift_bodies};
 }
