@@ -134,7 +134,10 @@ struct Rigid::Impl {
   void finish_solve(StepContext& c);
   void commit(StepContext& c);
   void gather_body(std::uint32_t p);
-  void integrate_body(std::uint32_t p, StepContext& c);
+  void gather_push(std::uint32_t p, const StepContext& c);
+  Vec3 acceleration(std::uint32_t p, const StepContext& c) const;
+  bool start_uneven(std::uint32_t p, const StepContext& c);
+  void stop_bad(std::uint32_t p);
   void commit_body(std::uint32_t p);
   // Calls f(p) for the bodies moving[p], in parallel.
   template <class F>
@@ -333,6 +336,7 @@ struct Rigid::Impl {
   Array<ObjectId> moved{&arena};                              // awake in the last step
   Array<std::uint32_t> touching{&arena};                      // slots of contacts; wake_touching
   Array<std::uint8_t> levels{&arena};                         // by solver index; empty: all 0
+  BodyPush* pushes = nullptr;  // by solver index, in the step's scratch memory
   Array<Vec3> applied_force{&arena}, applied_torque{&arena};  // by p, N and N m
   Array<Vec3> angular_momentum{&arena};                       // by p, of asymmetric bodies, N m s
   Array<SpinBatch> spin_batches{&arena};                      // of those that are on no joint

@@ -74,7 +74,8 @@ void Rigid::Impl::gather(StepContext& c) {
   jointed.clear();
   applied_force.resize(count), applied_torque.resize(count);
   angular_momentum.resize(count), bad.resize(count);
-  each_moving(c, [&](std::uint32_t p) { gather_body(p); });
+  pushes = c.scratch->take<BodyPush>(count + 1);
+  each_moving(c, [&](std::uint32_t p) { gather_body(p), gather_push(p, c); });
   if constexpr (kAsserts) check_gathered();
 }
 
@@ -136,35 +137,66 @@ void Rigid::Impl::add_forces(StepContext& c) {
   }
 }
 
-void Rigid::Impl::integrate_velocities(StepContext& c) {
-  FEDER_ASSERT(last_h == c.h && spin_lane.size() == moving.size() && solver_bodies.state.size() > moving.size());
-  spin(c);
-  each_moving(c, [&](std::uint32_t p) { integrate_body(p, c); });
+// Forces and damping (implicit) of a substep; of the rotation, where it is plain: else spin() does it, or a joint.
+void Rigid::Impl::gather_push(std::uint32_t p, const StepContext& c) {
+  const std::uint32_t i = moving[p];
+  BodyPush& push = pushes[p + 1];
+  push = {};
+  std::fill_n(push.keep.v, kLanes, Real(1));
+  if (bodies.type[i] != BodyType::dynamic) return;
+  const Vec3 a = acceleration(p, c), turn = solver_bodies.mass[p + 1].inv_inertia * applied_torque[p];
+  const Real slow = 1 / (1 + c.h * bodies.linear_damping[i]), brake = 1 / (1 + c.h * bodies.angular_damping[i]);
+  for (int k = 0; k < 3; ++k) {
+    push.change.v[k] = a[k];
+    push.keep.v[k] = bodies.lock[i] & (kLockX << k) ? Real(0) : slow;
+    if (asymmetric[i]) continue;
+    push.change.v[k + 3] = turn[k];
+    push.keep.v[k + 3] = bodies.lock[i] & (kLockRx << k) ? Real(0) : brake;
+  }
 }
 
-// Flattened: rotations called from here, out of line, cost 7 % of the steps of scenes/rigid/incline.lua.
-[[gnu::flatten]] void Rigid::Impl::integrate_body(std::uint32_t p, StepContext& c) {
-  const std::uint32_t i = moving[p];
-  if (bodies.type[i] != BodyType::dynamic) return;
-  // linear, with implicit damping
+Vec3 Rigid::Impl::acceleration(std::uint32_t p, const StepContext& c) const {
+  return c.gravity * bodies.gravity_scale[moving[p]] + applied_force[p] * solver_bodies.mass[p + 1].inv_mass;
+}
+
+void Rigid::Impl::integrate_velocities(StepContext& c) {
+  const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
+  FEDER_ASSERT(last_h == c.h && spin_lane.size() == count && solver_bodies.state.size() > count);
+  spin(c);
+  if (force_count)
+    each_moving(c, [&](std::uint32_t p) {
+      const Vec3 a = acceleration(p, c);
+      if (bodies.type[moving[p]] == BodyType::dynamic) std::copy_n(a.data(), 3, pushes[p + 1].change.v);
+    });
+  PushPass pass{reinterpret_cast<Real*>(solver_bodies.state.data()), pushes, 0, 0, c.h};
+  const SpinKernels& kernels = spin_kernels(solver->wide());
+  constexpr JobGrain kGrain{1024, 3'000};
+  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    PushPass part = pass;
+    part.first = first + 1, part.last = last + 1;
+    bool finite = kernels.push(part);
+    if (!jointed.empty())
+      for (std::uint32_t p = first; p < last; ++p) finite &= start_uneven(p, c);
+    if (finite) return;
+    for (std::uint32_t p = first; p < last; ++p) stop_bad(p);
+  });
+}
+
+// Free rotation of a jointed body with uneven moments; false: not finite.
+bool Rigid::Impl::start_uneven(std::uint32_t p, const StepContext& c) {
+  JointedBody* j = uneven_body(p + 1);
+  if (!j) return true;
   SolverBody& s = solver_bodies.state[p + 1];
-  const SolverMass& m = solver_bodies.mass[p + 1];
-  FEDER_ASSERT(m.inv_mass == bodies.inv_mass[i]);
-  const Vec3 v = s.velocity + c.h * (c.gravity * bodies.gravity_scale[i] + applied_force[p] * m.inv_mass);
-  const Real slow = 1 / (1 + c.h * bodies.linear_damping[i]);
-  for (int k = 0; k < 3; ++k) s.velocity[k] = bodies.lock[i] & (kLockX << k) ? Real(0) : v[k] * slow;
-  // angular: plain, or jointed with uneven moments; else spin() has done it
-  const Real brake = 1 / (1 + c.h * bodies.angular_damping[i]);
-  if (!asymmetric[i]) {
-    s.angular_velocity = (s.angular_velocity + c.h * (m.inv_inertia * applied_torque[p])) * brake;
-    for (int k = 0; k < 3; ++k)
-      if (bodies.lock[i] & (kLockRx << k)) s.angular_velocity[k] = 0;
-  } else if (JointedBody* j = uneven_body(p + 1)) {
-    const Vec3d l = carried_momentum(*j, s) + (c.h * applied_torque[p]).cast<double>();
-    start_jointed(*j, l * static_cast<double>(brake), c.h, s);
-  }
-  // a non-finite body must not spread through its contacts
-  if (all_finite(s.velocity) && all_finite(s.angular_velocity)) return;
+  const Real brake = 1 / (1 + c.h * bodies.angular_damping[moving[p]]);
+  const Vec3d l = carried_momentum(*j, s) + (c.h * applied_torque[p]).cast<double>();
+  start_jointed(*j, l * static_cast<double>(brake), c.h, s);
+  return all_finite(s.angular_velocity);
+}
+
+// A non-finite body must not spread through its contacts.
+void Rigid::Impl::stop_bad(std::uint32_t p) {
+  SolverBody& s = solver_bodies.state[p + 1];
+  if (bodies.type[moving[p]] != BodyType::dynamic || (all_finite(s.velocity) && all_finite(s.angular_velocity))) return;
   bad[p] = 1;
   s.velocity = s.angular_velocity = Vec3::Zero();
   stop_spin(p);

@@ -2,5 +2,5 @@
 #include "rigid/spin_kernel.h"
 
 namespace feder {
-const SpinKernels kSpinKernelsAvx2 = {spin_batches, drift_bodies};
+const SpinKernels kSpinKernelsAvx2 = {spin_batches, push_bodies, drift_bodies};
 }

@@ -30,6 +30,19 @@ struct SpinPass {
   WideReal close;        // a change of the angle by less ends the rounds, rad
 };
 
+// What a substep does to the velocities of a body, in the order of the first row of a SolverBody.
+struct BodyPush {
+  Lane8 change;  // accelerations, m/s^2 and rad/s^2, and two zeros
+  Lane8 keep;    // factors by damping, 0 on locked axes, and two ones
+};
+
+struct PushPass {
+  WideReal* bodies;        // SolverBody as 16 numbers each
+  const BodyPush* pushes;  // by solver index
+  unsigned first, last;    // range of solver indices
+  WideReal h;              // s
+};
+
 struct DriftPass {
   WideReal* bodies;      // SolverBody as 16 numbers each
   unsigned first, last;  // range of solver indices
@@ -38,6 +51,7 @@ struct DriftPass {
 
 struct SpinKernels {
   void (*spin)(const SpinPass&);
+  bool (*push)(const PushPass&);    // false: something is not finite
   void (*drift)(const DriftPass&);  // displacements and poses, by the velocities
 };
 extern const SpinKernels kSpinKernelsPlain;

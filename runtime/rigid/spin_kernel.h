@@ -166,6 +166,18 @@ void spin_batches(const SpinPass& p) {
   }
 }
 
+bool push_bodies(const PushPass& p) {
+  const Lanes h = all_lanes(p.h);
+  LaneMask finite = zero_lanes() == zero_lanes();
+  for (unsigned i = p.first; i < p.last; ++i) {
+    WideReal* body = p.bodies + i * kSpinStride;
+    const Lanes row = (load_row(body) + h * load(p.pushes[i].change)) * load(p.pushes[i].keep);
+    store_row(body, row);
+    finite &= row - row == zero_lanes();
+  }
+  return !any(~finite);
+}
+
 // Eight at a time; what does not rotate keeps its quaternion to the bit.
 void drift_bodies(const DriftPass& p) {
   const Lanes h = all_lanes(p.h), half = all_lanes(static_cast<WideReal>(0.5)), zero = zero_lanes();

@@ -2,5 +2,5 @@
 #include "rigid/spin_kernel.h"
 
 namespace feder {
-const SpinKernels kSpinKernelsPlain = {spin_batches, drift_bodies};
+const SpinKernels kSpinKernelsPlain = {spin_batches, push_bodies, drift_bodies};
 }
