@@ -55,24 +55,27 @@ Real depth_of(const Contact& contact) {
 
 }  // namespace
 
-// Who lies above in a contact, and who below; kNone where that is no body. With what part of the weight.
+// Who lies above in a contact, and who below; kNone where that is no body. With what part of the weight, and what a load
+// needs of the contact: all later looks are at this.
 Rigid::Impl::Pile Rigid::Impl::pile_of(const Contact& contact, const Vec3& gravity) const {
   const Real along = dot(contact.normal, gravity);
   const std::uint32_t a = colliders.body_of(contact.collider_a), b = colliders.body_of(contact.collider_b);
-  return along < 0 ? Pile{b, a, -along} : Pile{a, b, along};
+  Pile pile = along < 0 ? Pile{b, a, false, -along, 0, depth_of(contact)} : Pile{a, b, false, along, 0, depth_of(contact)};
+  for (int k = 0; k < contact.point_count; ++k) pile.impulse += contact.points[k].normal_impulse;
+  for (const std::uint32_t collider : {contact.collider_a, contact.collider_b})
+    if (colliders.owner[collider] != ColliderOwner::body) pile.apart = true;
+  return pile;
 }
 
 // The thinner body of a contact and how far it would sink with one piece, over its thickness: under what the contact
 // carried in the last step, or the weight of the upper body and of what that carries, which it may not have felt yet.
-ContactLoad Rigid::Impl::load_of(const Contact& contact, Real rate, const StepContext& c) const {
+ContactLoad Rigid::Impl::load_of(const Pile& pile, Real rate, const StepContext& c) const {
   ContactLoad load;
-  Real impulse = 0, mass = kInfinity, heavy = 0;
-  for (int k = 0; k < contact.point_count; ++k) impulse += contact.points[k].normal_impulse;
-  load.depth = depth_of(contact);
-  const Pile pile = pile_of(contact, c.gravity);
+  Real mass = kInfinity, heavy = 0;
+  load.depth = pile.depth;
   Real weight = weight_of(pile);
   if (carried && bodies.moves(pile.upper)) weight += carried[pile.upper];
-  const Real force = std::max(impulse / c.h, weight);
+  const Real force = std::max(pile.impulse / c.h, weight);
   if (!(force > 0)) return load;
   for (const std::uint32_t i : {pile.upper, pile.lower}) {
     if (i == kNone || bodies.type[i] != BodyType::dynamic) continue;
@@ -143,9 +146,9 @@ const JointNeed* Rigid::Impl::joint_needs(StepContext& c) {
   return any ? need : nullptr;
 }
 
-// What the active contacts of hard islands join, in their order, but of islands beyond the budget; counts these
-// contacts, and all joints, by root.
-std::span<Rigid::Impl::Pile> Rigid::Impl::list_piles(IslandLoad* by_root, StepContext& c) {
+// Of all piles those of hard islands, in their order, but of islands beyond the budget; counts these contacts, and all
+// joints, by root.
+std::span<Rigid::Impl::Pile> Rigid::Impl::list_piles(std::span<Pile> all, IslandLoad* by_root) {
   const auto drives = [&](std::uint32_t i) { return i != kNone && bodies.type[i] == BodyType::kinematic; };
   for (const std::uint32_t j : active_joints)
     for (const std::uint32_t i : {records[j].body_a, records[j].body_b}) {
@@ -155,25 +158,20 @@ std::span<Rigid::Impl::Pile> Rigid::Impl::list_piles(IslandLoad* by_root, StepCo
       island.jointed = true;
       ++island.contacts;
     }
-  Pile* list = c.scratch->take<Pile>(contacts.active.size());
+  const auto mover = [&](const Pile& pile) { return bodies.moves(pile.upper) ? pile.upper : pile.lower; };
   std::size_t count = 0;
-  for (const std::uint32_t slot : contacts.active) {
-    const Contact& contact = contacts.slots[slot];
-    const std::uint32_t a = colliders.body_of(contact.collider_a), b = colliders.body_of(contact.collider_b);
-    const std::uint32_t mover = bodies.moves(a) ? a : b;
-    if (!bodies.moves(mover)) continue;
-    IslandLoad& island = by_root[islands.root(mover)];
-    for (const std::uint32_t collider : {contact.collider_a, contact.collider_b})
-      if (colliders.owner[collider] != ColliderOwner::body) island.apart = true;
+  for (const Pile& pile : all) {
+    if (!bodies.moves(mover(pile))) continue;
+    IslandLoad& island = by_root[islands.root(mover(pile))];
+    island.apart = island.apart || pile.apart;
     if (!island.hard) continue;
-    list[count] = pile_of(contact, c.gravity);
-    list[count++].slot = slot;
+    all[count++] = pile;
     ++island.contacts;
   }
-  const auto end = std::remove_if(list, list + count, [&](const Pile& pile) {
-    return by_root[islands.root(bodies.moves(pile.upper) ? pile.upper : pile.lower)].contacts > kMostExtra;
+  const auto end = std::remove_if(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), [&](const Pile& pile) {
+    return by_root[islands.root(mover(pile))].contacts > kMostExtra;
   });
-  return {list, end};
+  return {all.begin(), end};
 }
 
 // By body: the weight that lies on it, N, when each body shares its own and what it carries out evenly.
@@ -218,8 +216,8 @@ const Real* Rigid::Impl::crowds(std::span<const Pile> piles, StepContext& c) {
   return crowd;
 }
 
-// Bodies whose contacts may need more pieces: of all contacts, or of some and the new ones.
-std::span<const std::uint32_t> Rigid::Impl::list_hard(Real rate, bool all, StepContext& c) {
+// Bodies whose contacts may need more pieces: of all contacts, or of some and the new ones. Of these it notes the piles.
+std::span<const std::uint32_t> Rigid::Impl::list_hard(std::span<Pile> piles, Real rate, bool all, StepContext& c) {
   constexpr JobGrain kGrain{256, 10'000};  // contacts
   const auto count = static_cast<std::uint32_t>(contacts.active.size());
   std::uint32_t* hard = c.scratch->take<std::uint32_t>(count);
@@ -233,7 +231,8 @@ std::span<const std::uint32_t> Rigid::Impl::list_hard(Real rate, bool all, StepC
       const Contact& contact = contacts.slots[slot];
       const bool carried_nothing = contact.points[0].normal_impulse == 0;  // new, perhaps
       if (!all && !carried_nothing && (slot + c.step) % kLookSteps != 0) continue;
-      const ContactLoad load = load_of(contact, rate, c);
+      piles[n] = pile_of(contact, c.gravity);
+      const ContactLoad load = load_of(piles[n], rate, c);
       if (load.body == kNone || !bodies.moves(load.body)) continue;
       const bool deep = load.ratio > kOdd && load.depth > kSqueezed * load.thickness;
       if (deep && load.bodies == 2 && load.ratio > most.ratio) most = load;
@@ -259,7 +258,9 @@ void Rigid::Impl::choose_levels(StepContext& c) {
   if (!(spring.rate > 0)) return;
   bool any = false;  // island that has pieces, or may soon
   for (const std::uint32_t i : moving) any = any || level[i] > 0 || level_trend[i] != 0;
-  const std::span<const std::uint32_t> hard = list_hard(spring.rate, any, c);
+  const std::size_t count = contacts.active.size();
+  const std::span<Pile> all{c.scratch->take<Pile>(count), count};
+  const std::span<const std::uint32_t> hard = list_hard(all, spring.rate, any, c);
   const JointNeed* by_joints = active_joints.empty() || (!any && c.step % kLookSteps != 0) ? nullptr : joint_needs(c);
   if (!any && hard.empty() && !by_joints) return;
   join_islands();
@@ -278,11 +279,13 @@ void Rigid::Impl::choose_levels(StepContext& c) {
     island.open = island.open || by_joints[i].open;
     if (by_joints[i].per_force > 0) island.mass = std::max(island.mass, bodies.mass[i]);
   }
-  const std::span<const Pile> piles = list_piles(by_root, c);
+  if (!any)
+    for (std::size_t n = 0; n < count; ++n) all[n] = pile_of(contacts.slots[contacts.active[n]], c.gravity);
+  const std::span<const Pile> piles = list_piles(all, by_root);
   carried = carried_weights(piles, c);
   const Real* crowd = crowds(piles, c);
   for (const Pile& pile : piles) {
-    const ContactLoad load = load_of(contacts.slots[pile.slot], spring.rate, c);
+    const ContactLoad load = load_of(pile, spring.rate, c);
     if (load.body == kNone) continue;
     IslandLoad& island = by_root[islands.root(bodies.moves(pile.upper) ? pile.upper : pile.lower)];
     const Real crowded = (1 + spring.crowd * std::max(crowd[load.body] - 1, Real(0))) / kHolds;
@@ -376,7 +379,7 @@ void Rigid::Impl::check_loads(StepContext& c) {
       if (const std::uint32_t i = colliders.body_of(collider); bodies.moves(i))
         thinner = std::min(thinner, thickness_of(core_depth[i]));
     if (depth_of(contact) <= most * thinner) continue;
-    const ContactLoad load = load_of(contact, spring.rate, c);
+    const ContactLoad load = load_of(pile_of(contact, c.gravity), spring.rate, c);
     if (load.bodies < 2 || load.depth <= most * load.thickness) continue;
     const Real share = load.depth / load.thickness;
     if (load.sinks < kShare * share * squared_pieces(level[load.body]) && load.pull <= too_much) continue;

@@ -183,19 +183,20 @@ struct Rigid::Impl {
   void check_far(StepContext& c);
   struct Pile {
     std::uint32_t upper, lower;
-    Real gravity;  // along the contact, m/s^2
-    std::uint32_t slot = kNone;
+    bool apart;           // one side is no body
+    Real gravity;         // along the contact, m/s^2
+    Real impulse, depth;  // of the last step, N s; m
   };
   Pile pile_of(const Contact& contact, const Vec3& gravity) const;
   Real weight_of(const Pile& pile) const;
-  ContactLoad load_of(const Contact& contact, Real rate, const StepContext& c) const;
+  ContactLoad load_of(const Pile& pile, Real rate, const StepContext& c) const;
   const JointNeed* joint_needs(StepContext& c);
   Real hangs_of(Real per_force, Real mass, const StepContext& c) const;
   Real need_of_joints(const IslandLoad& island, const StepContext& c) const;
-  std::span<Pile> list_piles(IslandLoad* by_root, StepContext& c);
+  std::span<Pile> list_piles(std::span<Pile> all, IslandLoad* by_root);
   const Real* carried_weights(std::span<const Pile> piles, StepContext& c);
   const Real* crowds(std::span<const Pile> piles, StepContext& c);
-  std::span<const std::uint32_t> list_hard(Real rate, bool all, StepContext& c);
+  std::span<const std::uint32_t> list_hard(std::span<Pile> piles, Real rate, bool all, StepContext& c);
   void choose_levels(StepContext& c);
   void share_out(IslandLoad* by_root, StepContext& c);
   void check_loads(StepContext& c);
