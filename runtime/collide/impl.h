@@ -196,8 +196,8 @@ struct Collide::Impl {
   // Calls f(member) for what snapshots hold, but for the colliders and the names of materials.
   template <class C, class F>
   static void each_saved(C& c, F&& f) {
-    for_each_of(f, c.contacts->slots, c.contacts->order, c.contacts->free_list, c.contacts->active, c.seen, c.entries,
-                c.memory, c.exclusions, c.recheck_filters, c.recheck_surfaces, c.material_pairs, c.material_numbers);
+    for_each_of(f, c.contacts->slots, c.contacts->order, c.contacts->free_list, c.contacts->active,
+                c.contacts->active_pairs, c.seen, c.entries, c.memory, c.exclusions, c.recheck_filters, c.recheck_surfaces, c.material_pairs, c.material_numbers);
   }
 
   Arena& arena;

@@ -99,7 +99,7 @@ void Collide::Impl::forget(std::uint32_t collider) {
   entries.resize(kept);
   write_order();
   // `active` may name freed slots until the next step
-  contacts->active.clear();
+  contacts->active.clear(), contacts->active_pairs.clear();
 }
 
 }  // namespace feder

@@ -358,11 +358,12 @@ void Collide::Impl::list_active(StepContext&) {
   const Colliders& c = *colliders;
   const auto movable = [&](std::uint32_t n) { return c.motion[n] == ColliderMotion::dynamic && c.awake[n]; };
   return_woken();
-  contacts->active.clear();
+  contacts->active.clear(), contacts->active_pairs.clear();
   for (const ContactEntry& e : entries) {
     if ((e.bits & (kTouching | kSensorPair)) != kTouching) continue;
     if (!movable(e.a) && !movable(e.b)) continue;
     contacts->active.push_back(e.slot);
+    contacts->active_pairs.push_back({e.a, e.b});
     if (e.bits & kTested) continue;
     Contact& woken = contacts->slots[e.slot];
     woken.fresh = 0;

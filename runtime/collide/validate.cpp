@@ -69,6 +69,7 @@ void Collide::Impl::check_entries() const {
     listed.add(slot);
   }
   std::size_t next_active = 0;
+  FEDER_ASSERT(k.active_pairs.size() == k.active.size());
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const ContactEntry& e = entries[i];
     check_entry(e);
@@ -77,6 +78,7 @@ void Collide::Impl::check_entries() const {
     listed.add(e.slot);
     if (next_active == k.active.size() || k.active[next_active] != e.slot) continue;
     FEDER_ASSERT(k.slots[e.slot].point_count > 0);
+    FEDER_ASSERT(k.active_pairs[next_active].a == e.a && k.active_pairs[next_active].b == e.b);
     ++next_active;
   }
   FEDER_ASSERT(next_active == k.active.size());  // active ones come in the order of entries, each once

@@ -34,7 +34,7 @@ constexpr int kCalmSteps = 30;              // a lower level must do for so long
 constexpr int kHotSteps = 4;                // where weights ask for none, loads must do so for so long: impacts do not
 constexpr std::uint64_t kMostExtra = 2048;  // pieces times contacts of a world beyond its substeps
 constexpr int kTiers = 32;                  // of bodies on each other
-constexpr std::uint64_t kLookSteps = 4;     // between two looks at a joint or an old contact while no island has pieces
+constexpr std::uint64_t kLookSteps = 4;     // between two looks at a joint or an old contact of an island without pieces
 constexpr std::uint64_t kLoadSteps = 8;     // between two looks for what gives way
 constexpr Real kSinks = Real(0.05);         // of the thickness
 constexpr Real kSqueezed = Real(0.1);       // of the thickness, at any moment
@@ -60,10 +60,8 @@ Real depth_of(const Contact& contact) {
 Rigid::Impl::Pile Rigid::Impl::pile_of(const Contact& contact, const Vec3& gravity) const {
   const Real along = dot(contact.normal, gravity);
   const std::uint32_t a = colliders.body_of(contact.collider_a), b = colliders.body_of(contact.collider_b);
-  Pile pile = along < 0 ? Pile{b, a, false, -along, 0, depth_of(contact)} : Pile{a, b, false, along, 0, depth_of(contact)};
+  Pile pile = along < 0 ? Pile{b, a, -along, 0, depth_of(contact)} : Pile{a, b, along, 0, depth_of(contact)};
   for (int k = 0; k < contact.point_count; ++k) pile.impulse += contact.points[k].normal_impulse;
-  for (const std::uint32_t collider : {contact.collider_a, contact.collider_b})
-    if (colliders.owner[collider] != ColliderOwner::body) pile.apart = true;
   return pile;
 }
 
@@ -146,9 +144,9 @@ const JointNeed* Rigid::Impl::joint_needs(StepContext& c) {
   return any ? need : nullptr;
 }
 
-// Of all piles those of hard islands, in their order, but of islands beyond the budget; counts these contacts, and all
-// joints, by root.
-std::span<Rigid::Impl::Pile> Rigid::Impl::list_piles(std::span<Pile> all, IslandLoad* by_root) {
+// What the active contacts of hard islands join, in their order, but of islands beyond the budget; counts these
+// contacts, and all joints, by root.
+std::span<const Rigid::Impl::Pile> Rigid::Impl::list_piles(IslandLoad* by_root, StepContext& c) {
   const auto drives = [&](std::uint32_t i) { return i != kNone && bodies.type[i] == BodyType::kinematic; };
   for (const std::uint32_t j : active_joints)
     for (const std::uint32_t i : {records[j].body_a, records[j].body_b}) {
@@ -158,20 +156,23 @@ std::span<Rigid::Impl::Pile> Rigid::Impl::list_piles(std::span<Pile> all, Island
       island.jointed = true;
       ++island.contacts;
     }
-  const auto mover = [&](const Pile& pile) { return bodies.moves(pile.upper) ? pile.upper : pile.lower; };
+  Pile* list = c.scratch->take<Pile>(contacts.active.size());
   std::size_t count = 0;
-  for (const Pile& pile : all) {
-    if (!bodies.moves(mover(pile))) continue;
-    IslandLoad& island = by_root[islands.root(mover(pile))];
-    island.apart = island.apart || pile.apart;
+  for (std::size_t n = 0; n < contacts.active.size(); ++n) {
+    const ColliderPair pair = contacts.active_pairs[n];
+    const std::uint32_t a = colliders.body_of(pair.a), b = colliders.body_of(pair.b), mover = bodies.moves(a) ? a : b;
+    if (!bodies.moves(mover)) continue;
+    IslandLoad& island = by_root[islands.root(mover)];
     if (!island.hard) continue;
-    all[count++] = pile;
+    for (const std::uint32_t collider : {pair.a, pair.b})
+      if (colliders.owner[collider] != ColliderOwner::body) island.apart = true;
+    list[count++] = pile_of(contacts.slots[contacts.active[n]], c.gravity);
     ++island.contacts;
   }
-  const auto end = std::remove_if(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(count), [&](const Pile& pile) {
-    return by_root[islands.root(mover(pile))].contacts > kMostExtra;
+  const auto end = std::remove_if(list, list + count, [&](const Pile& pile) {
+    return by_root[islands.root(bodies.moves(pile.upper) ? pile.upper : pile.lower)].contacts > kMostExtra;
   });
-  return {all.begin(), end};
+  return {list, end};
 }
 
 // By body: the weight that lies on it, N, when each body shares its own and what it carries out evenly.
@@ -216,23 +217,30 @@ const Real* Rigid::Impl::crowds(std::span<const Pile> piles, StepContext& c) {
   return crowd;
 }
 
-// Bodies whose contacts may need more pieces: of all contacts, or of some and the new ones. Of these it notes the piles.
-std::span<const std::uint32_t> Rigid::Impl::list_hard(std::span<Pile> piles, Real rate, bool all, StepContext& c) {
+// Bodies whose contacts may need more pieces: of islands that have some, or soon may, all contacts are asked, of others
+// some and the new ones.
+std::span<const std::uint32_t> Rigid::Impl::list_hard(Real rate, StepContext& c) {
   constexpr JobGrain kGrain{256, 10'000};  // contacts
+  constexpr std::uint32_t kAhead = 8;      // contacts, asked for before they are read
   const auto count = static_cast<std::uint32_t>(contacts.active.size());
   std::uint32_t* hard = c.scratch->take<std::uint32_t>(count);
   std::uint32_t* in_block = c.scratch->take<std::uint32_t>(count / kGrain.items + 1);
   ContactLoad* squeezed = c.scratch->take<ContactLoad>(count / kGrain.items + 1);
+  const auto hot = [&](std::uint32_t collider) {
+    const std::uint32_t i = colliders.body_of(collider);
+    return i != kNone && (level[i] > 0 || level_trend[i] != 0);
+  };
   c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     std::uint32_t end = first;
     ContactLoad& most = squeezed[first / kGrain.items] = {};
     for (std::uint32_t n = first; n < last; ++n) {
+      if (n + kAhead < last) __builtin_prefetch(&contacts.slots[contacts.active[n + kAhead]]);
       const std::uint32_t slot = contacts.active[n];
       const Contact& contact = contacts.slots[slot];
       const bool carried_nothing = contact.points[0].normal_impulse == 0;  // new, perhaps
-      if (!all && !carried_nothing && (slot + c.step) % kLookSteps != 0) continue;
-      piles[n] = pile_of(contact, c.gravity);
-      const ContactLoad load = load_of(piles[n], rate, c);
+      if (!carried_nothing && (slot + c.step) % kLookSteps != 0 && !hot(contact.collider_a) && !hot(contact.collider_b))
+        continue;
+      const ContactLoad load = load_of(pile_of(contact, c.gravity), rate, c);
       if (load.body == kNone || !bodies.moves(load.body)) continue;
       const bool deep = load.ratio > kOdd && load.depth > kSqueezed * load.thickness;
       if (deep && load.bodies == 2 && load.ratio > most.ratio) most = load;
@@ -258,9 +266,7 @@ void Rigid::Impl::choose_levels(StepContext& c) {
   if (!(spring.rate > 0)) return;
   bool any = false;  // island that has pieces, or may soon
   for (const std::uint32_t i : moving) any = any || level[i] > 0 || level_trend[i] != 0;
-  const std::size_t count = contacts.active.size();
-  const std::span<Pile> all{c.scratch->take<Pile>(count), count};
-  const std::span<const std::uint32_t> hard = list_hard(all, spring.rate, any, c);
+  const std::span<const std::uint32_t> hard = list_hard(spring.rate, c);
   const JointNeed* by_joints = active_joints.empty() || (!any && c.step % kLookSteps != 0) ? nullptr : joint_needs(c);
   if (!any && hard.empty() && !by_joints) return;
   join_islands();
@@ -279,9 +285,7 @@ void Rigid::Impl::choose_levels(StepContext& c) {
     island.open = island.open || by_joints[i].open;
     if (by_joints[i].per_force > 0) island.mass = std::max(island.mass, bodies.mass[i]);
   }
-  if (!any)
-    for (std::size_t n = 0; n < count; ++n) all[n] = pile_of(contacts.slots[contacts.active[n]], c.gravity);
-  const std::span<const Pile> piles = list_piles(all, by_root);
+  const std::span<const Pile> piles = list_piles(by_root, c);
   carried = carried_weights(piles, c);
   const Real* crowd = crowds(piles, c);
   for (const Pile& pile : piles) {

@@ -183,7 +183,6 @@ struct Rigid::Impl {
   void check_far(StepContext& c);
   struct Pile {
     std::uint32_t upper, lower;
-    bool apart;           // one side is no body
     Real gravity;         // along the contact, m/s^2
     Real impulse, depth;  // of the last step, N s; m
   };
@@ -193,10 +192,10 @@ struct Rigid::Impl {
   const JointNeed* joint_needs(StepContext& c);
   Real hangs_of(Real per_force, Real mass, const StepContext& c) const;
   Real need_of_joints(const IslandLoad& island, const StepContext& c) const;
-  std::span<Pile> list_piles(std::span<Pile> all, IslandLoad* by_root);
+  std::span<const Pile> list_piles(IslandLoad* by_root, StepContext& c);
   const Real* carried_weights(std::span<const Pile> piles, StepContext& c);
   const Real* crowds(std::span<const Pile> piles, StepContext& c);
-  std::span<const std::uint32_t> list_hard(std::span<Pile> piles, Real rate, bool all, StepContext& c);
+  std::span<const std::uint32_t> list_hard(Real rate, StepContext& c);
   void choose_levels(StepContext& c);
   void share_out(IslandLoad* by_root, StepContext& c);
   void check_loads(StepContext& c);

@@ -69,7 +69,7 @@ void Rigid::Impl::wake_touched(StepContext&) {
     return colliders.owner[k] == ColliderOwner::body && colliders.motion[k] == ColliderMotion::dynamic &&
            !colliders.awake[k];
   };
-  for (const Arrival& t : contacts.arrivals) {
+  for (const ColliderPair& t : contacts.arrivals) {
     std::uint32_t sleeper = t.b, other = t.a;
     if (!colliders.awake[other] || !asleep(sleeper)) std::swap(sleeper, other);
     if (colliders.awake[other] && asleep(sleeper))
@@ -163,11 +163,9 @@ void Rigid::Impl::join_islands() {
     if (moves_a && carries(b)) sleep_candidate[a] = 0;
     if (moves_b && carries(a)) sleep_candidate[b] = 0;
   };
-  for (const std::uint32_t slot : contacts.active) {
-    const Contact& contact = contacts.slots[slot];
-    const std::uint32_t ca = contact.collider_a, cb = contact.collider_b;
-    FEDER_ASSERT(ca < colliders.size() && cb < colliders.size() && contact.touching && !contact.sensor);
-    link(colliders.body_of(ca), colliders.body_of(cb));
+  for (const ColliderPair& pair : contacts.active_pairs) {
+    FEDER_ASSERT(pair.a < colliders.size() && pair.b < colliders.size());
+    link(colliders.body_of(pair.a), colliders.body_of(pair.b));
   }
   for (const std::uint32_t j : active_joints)
     if (records[j].alive) link(records[j].body_a, records[j].body_b);

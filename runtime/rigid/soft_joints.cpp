@@ -127,10 +127,7 @@ void SoftJoints::find_in_contact(const SolverInput& in) {
     FEDER_ASSERT(index < in_contact_.size());
     if (index != 0) in_contact_[groups_.root(index)] = 1;
   };
-  for (const std::uint32_t slot : in.contacts->active) {
-    mark(in.contacts->slots[slot].collider_a);
-    mark(in.contacts->slots[slot].collider_b);
-  }
+  for (const ColliderPair& pair : in.contacts->active_pairs) mark(pair.a), mark(pair.b);
   for (std::uint32_t i = 0; i < in_contact_.size(); ++i) in_contact_[i] = in_contact_[groups_.root(i)];
 }
 

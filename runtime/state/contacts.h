@@ -43,8 +43,7 @@ struct Contact {
   Vec3 rolling_impulse = Vec3::Zero();   // N m s
 };
 
-// Two colliders that came into contact.
-struct Arrival {
+struct ColliderPair {
   std::uint32_t a, b;
 };
 
@@ -92,14 +91,16 @@ struct RestingContacts {
 };
 
 struct Contacts {
-  explicit Contacts(Arena& a) : slots(&a), order(&a), free_list(&a), arrivals(&a), active(&a), resting(a) {}
+  explicit Contacts(Arena& a)
+      : slots(&a), order(&a), free_list(&a), arrivals(&a), active(&a), active_pairs(&a), resting(a) {}
 
   Array<Contact> slots;
   Array<std::uint32_t> order;  // slots of contacts that do not rest, sorted by (collider_a, collider_b, sub)
   Array<std::uint32_t> free_list;
-  Array<Arrival> arrivals;  // of this step, in `order`, between narrow and contact_list: owners wake those asleep
+  Array<ColliderPair> arrivals;  // into contact, of this step, in `order`, between narrow and contact_list: owners wake those asleep
   Array<std::uint32_t>
       active;  // written by contact_list each step, in `order`: touching, no sensor, one side awake and movable
+  Array<ColliderPair> active_pairs;  // of those: a slot lies far from others in memory
   RestingContacts resting;
 };
 

@@ -115,7 +115,7 @@ class FakeWorld {
   static void wake(void* self, StepContext&) {
     FakeWorld& w = *static_cast<FakeWorld*>(self);
     const auto asleep = [&](std::uint32_t k) { return w.c().motion[k] == ColliderMotion::dynamic && !w.c().awake[k]; };
-    for (const Arrival& t : w.collide->contacts().arrivals) {
+    for (const ColliderPair& t : w.collide->contacts().arrivals) {
       const bool b_sleeps = w.c().awake[t.a] && asleep(t.b);
       if (!b_sleeps && !(w.c().awake[t.b] && asleep(t.a))) continue;
       const std::uint32_t sleeper = b_sleeps ? t.b : t.a;
