@@ -200,7 +200,10 @@ struct Rigid::Impl {
   void share_out(IslandLoad* by_root, StepContext& c);
   void check_loads(StepContext& c);
   void warn_squeezed(const ContactLoad& load, StepContext& c);
+  template <class F>
+  void each_link(F&& f);
   void join_islands();
+  void keep_driven_awake();
   void sleep_islands();
 
   // edit.cpp
@@ -291,6 +294,7 @@ struct Rigid::Impl {
   Array<std::uint8_t> sleep_candidate{&arena};  // slow enough to sleep (two thresholds)
   Array<std::uint32_t> next_in_island{&arena};  // ring of a sleeping island
   UnionFind islands{arena};                     // of the bodies that are awake
+  bool islands_joined = false;                  // in this step
   UnionFind fast_groups{arena};                 // by place in `moving`
   Array<Real> pace{&arena};                     // kinetic energy per mass at the end of the last step, m^2/s^2
   Array<std::uint64_t> edited_step{&arena};     // in which a script moved it, or edited its joints

@@ -100,6 +100,7 @@ void Rigid::Impl::remove_joint(std::uint32_t j, const std::string& where, WakeCa
   joints[j] = SolverJoint{};
   free_joints.push_back(j);
   joints_stale = true;
+  islands_joined = false;
   if (--joint_count == 0) *structure_changed = true;
 }
 

@@ -24,7 +24,7 @@ bool all_finite(const Vec3& v) { return is_finite(v[0] + v[1] + v[2]); }
 
 void Rigid::Impl::rebuild_list() {
   if (!list_stale) return;
-  list_stale = false;
+  list_stale = islands_joined = false;
   joints_stale = true;
   moving.clear();
   for (std::uint32_t i = 0; i < bodies.size(); ++i)
@@ -68,6 +68,7 @@ void Rigid::Impl::update_boxes(StepContext& c) {
 
 void Rigid::Impl::gather(StepContext& c) {
   last_h = c.h;
+  islands_joined = false;
   rebuild_list();  // contacts may have woken bodies
   const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
   solver_bodies.reset(count);

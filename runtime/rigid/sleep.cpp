@@ -150,25 +150,38 @@ void Rigid::Impl::measure_motion(StepContext& c) {
   }
 }
 
-void Rigid::Impl::join_islands() {
-  for (const std::uint32_t i : moving) islands.isolate(i);
-  // a moving kinematic partner keeps a body awake: no candidate
-  const auto link = [&](std::uint32_t a, std::uint32_t b) {
-    const bool moves_a = bodies.moves(a), moves_b = bodies.moves(b);
-    if (moves_a && moves_b) return void(islands.join(a, b));
-    const auto carries = [&](std::uint32_t k) {
-      return k != kNone && bodies.type[k] == BodyType::kinematic &&
-             (!bodies.velocity[k].isZero(0) || !bodies.angular_velocity[k].isZero(0));
-    };
-    if (moves_a && carries(b)) sleep_candidate[a] = 0;
-    if (moves_b && carries(a)) sleep_candidate[b] = 0;
-  };
+// Calls f(a, b) for the bodies that active contacts and joints connect; kNone where that is none.
+template <class F>
+void Rigid::Impl::each_link(F&& f) {
   for (const ColliderPair& pair : contacts.active_pairs) {
     FEDER_ASSERT(pair.a < colliders.size() && pair.b < colliders.size());
-    link(colliders.body_of(pair.a), colliders.body_of(pair.b));
+    f(colliders.body_of(pair.a), colliders.body_of(pair.b));
   }
   for (const std::uint32_t j : active_joints)
-    if (records[j].alive) link(records[j].body_a, records[j].body_b);
+    if (records[j].alive) f(records[j].body_a, records[j].body_b);
+}
+
+// Once a step, unless bodies or joints are lost in it.
+void Rigid::Impl::join_islands() {
+  if (islands_joined) return;
+  islands_joined = true;
+  for (const std::uint32_t i : moving) islands.isolate(i);
+  each_link([&](std::uint32_t a, std::uint32_t b) {
+    if (bodies.moves(a) && bodies.moves(b)) islands.join(a, b);
+  });
+}
+
+// A moving kinematic partner keeps a body awake: no candidate.
+void Rigid::Impl::keep_driven_awake() {
+  const auto drives = [&](std::uint32_t k) {
+    return k != kNone && bodies.type[k] == BodyType::kinematic &&
+           (!bodies.velocity[k].isZero(0) || !bodies.angular_velocity[k].isZero(0));
+  };
+  if (std::none_of(moving.begin(), moving.end(), drives)) return;
+  each_link([&](std::uint32_t a, std::uint32_t b) {
+    if (bodies.moves(a) && drives(b)) sleep_candidate[a] = 0;
+    if (bodies.moves(b) && drives(a)) sleep_candidate[b] = 0;
+  });
 }
 
 void Rigid::Impl::sleep_islands() {
@@ -206,6 +219,7 @@ void Rigid::Impl::update_sleep(StepContext& c) {
   if (!c.sleeping) return;
   if (!any_candidate) return;
   join_islands();
+  keep_driven_awake();
   sleep_islands();
 }
 
