@@ -22,7 +22,15 @@ constexpr std::uint32_t kAhead = 8;  // contacts, asked for before they are read
 
 struct Ends {
   std::uint32_t a, b;  // solver indices
+  std::uint8_t kind;
 };
+
+// Contacts that cost alike share batches: by their points, and whether they have a warm start.
+constexpr int kKinds = 6;
+std::uint8_t kind_of(const Contact& c) {
+  const int points = std::min<int>(c.point_count, 3) - 1, cold = c.points[0].normal_impulse == 0;
+  return static_cast<std::uint8_t>(2 * points + cold);
+}
 
 static_assert(kBatchPoints == kMaxContactPoints);
 
@@ -53,15 +61,15 @@ void ContactGroup::color(const SolverInput& in, StepContext& c, const ContactSha
     for (std::uint32_t i = first; i < last; ++i) {
       if (i + kAhead < last) __builtin_prefetch(&contacts.slots[slots[i + kAhead]]);
       const Contact& contact = contacts.slots[slots[i]];
-      ends[i] = {in.solver_index(contact.collider_a), in.solver_index(contact.collider_b)};
+      ends[i] = {in.solver_index(contact.collider_a), in.solver_index(contact.collider_b), kind_of(contact)};
     }
   });
   // the world and kinematic solver bodies never conflict
   const std::uint64_t kFixedMask = ~std::uint64_t(0) << kFixedColor;
   // greedy: the first colour that neither body has; and how crowded each body is
-  std::uint32_t of_color[kColors + 1] = {};
+  std::uint32_t of_color[kColors + 1][kKinds] = {};
   for (std::uint32_t i = 0; i < count; ++i) {
-    const auto [a, b] = ends[i];
+    const auto [a, b, kind] = ends[i];
     const bool moves_a = shared.masses[a].movable > 0, moves_b = shared.masses[b].movable > 0;
     std::uint64_t used = (moves_a ? taken[a] : 0) | (moves_b ? taken[b] : 0);
     used |= moves_a && moves_b ? kFixedMask : ~kFixedMask;
@@ -78,25 +86,27 @@ void ContactGroup::color(const SolverInput& in, StepContext& c, const ContactSha
       if (moves_b) taken[b] |= bit;
     }
     color_of[i] = color;
-    ++of_color[color];
+    ++of_color[color][kind];
   }
   // overflow first, one contact per batch
-  overflow_count_ = of_color[kColors];
-  std::uint32_t batch = overflow_count_, next[kColors + 1];
-  next[kColors] = 0;
+  std::uint32_t batch = 0, next[kColors + 1][kKinds] = {};
+  for (const std::uint32_t of_kind : of_color[kColors]) batch += of_kind;
+  overflow_count_ = batch;
   for (int k = 0; k < kColors; ++k) {
     color_first_[k] = batch;
-    next[k] = batch * kLanes;
-    batch += (of_color[k] + kLanes - 1) / kLanes;
+    std::uint32_t lane = batch * kLanes;
+    for (int kind = 0; kind < kKinds; ++kind) next[k][kind] = lane, lane += of_color[k][kind];
+    batch = (lane + kLanes - 1) / kLanes;
   }
   color_first_[kColors] = batch_count_ = batch;
   // contacts into their lanes
   lanes_ = c.scratch->take<std::uint32_t>(std::size_t(batch) * kLanes);
   std::fill(lanes_, lanes_ + std::size_t(batch) * kLanes, kNone);
   for (std::uint32_t i = 0; i < count; ++i) {
-    std::uint32_t& at = next[color_of[i]];
+    const bool alone = color_of[i] == kColors;
+    std::uint32_t& at = next[color_of[i]][alone ? 0 : ends[i].kind];
     lanes_[at] = slots[i];
-    at += color_of[i] == kColors ? kLanes : 1;
+    at += alone ? kLanes : 1;
   }
   if constexpr (kAsserts) check_colors(in, c, shared, slots);
 }
