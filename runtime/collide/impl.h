@@ -84,6 +84,7 @@ struct SeenCollider {
   std::uint32_t bits = 0;
   Real friction_static = 0, friction_dynamic = 0, restitution = 0, rolling_friction = 0;
   Real extent = 0;  // of the shape from the owner's centre of mass, m; infinite for planes
+  Real depth = 0;   // of its core, m; infinite where it is not convex
 };
 enum SeenBits : std::uint32_t {
   kChanged = 1,         // pairs are tested again
@@ -106,7 +107,7 @@ struct Exclusion {
 static_assert(sizeof(ContactPoint) == 10 * sizeof(Real) + (sizeof(Real) == 8 ? 8 : 4));
 static_assert(sizeof(Contact) == 16 + 16 * sizeof(Real) + kMaxContactPoints * sizeof(ContactPoint));
 static_assert(sizeof(ContactMemory) == 16 + 20 * sizeof(Real));
-static_assert(sizeof(SeenCollider) == 24 + 5 * sizeof(Real));
+static_assert(sizeof(SeenCollider) == 24 + 6 * sizeof(Real));
 
 struct Collide::Impl {
   explicit Impl(SystemSetup& setup);
@@ -156,8 +157,9 @@ struct Collide::Impl {
   void test_pair(std::uint32_t head, Real dt);
   void test_sensor(ContactEntry& e);
   bool recycle(std::span<const ContactEntry> group);
-  std::uint32_t test_fresh(std::span<const ContactEntry> group, Real margin);
-  void write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit);
+  std::uint32_t test_fresh(std::span<const ContactEntry> group, Real margin, Real dt);
+  void write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit,
+                      const Vec3& ahead);
   struct Side;
   Side side_of(const Contact& contact, std::uint32_t i) const;
   void mix(Contact& contact) const;
@@ -165,6 +167,10 @@ struct Collide::Impl {
   void stay_apart(ContactEntry& e);
   void list_arrivals();
   void list_active(StepContext& c);
+
+  // obstacles.cpp
+  bool may_pass(std::uint32_t a, std::uint32_t b, Real dt) const;
+  int look_ahead(std::uint32_t a, std::uint32_t b, Real margin, Real dt, Manifold* found, Vec3& ahead);
 
   // seams.cpp
   std::uint32_t ghosts_of(const ContactEntry& e, std::span<const SeamEntry> group) const;
@@ -228,6 +234,8 @@ struct Collide::Impl {
   Array<SurfaceNumbers> material_numbers{&arena};             // number - 1; may be shorter
   std::vector<MaterialPair> material_pairs;                   // sorted, a <= b
 };
+
+Real core_depth_of(const Shape& shape);
 
 // Object pairs of exclusions are unordered.
 inline std::pair<ObjectId, ObjectId> ordered(ObjectId a, ObjectId b) {

@@ -9,9 +9,52 @@ namespace feder {
 
 // A body stops this part of the margin before it touches: near enough to be in contact in the next step.
 static constexpr Real kStopShort = Real(1) / 4;
+// Two moving bodies may come nearer by so many depths of the thinner one's core before what comes is looked for.
+static constexpr Real kFreeDepths = 2;
 
-Real Collide::core_depth(const Shape& shape) const {
+Real core_depth_of(const Shape& shape) {
   return shape.convex() ? (1 - kCoreScale) * least_half_width(shape) : kInfinity;
+}
+
+Real Collide::core_depth(const Shape& shape) const { return core_depth_of(shape); }
+
+// Do two moving bodies come nearer in a step by more than leaves them in each other by a quarter of the thinner one?
+bool Collide::Impl::may_pass(std::uint32_t a, std::uint32_t b, Real dt) const {
+  const Colliders& c = *colliders;
+  const Vec3 nearer = dt * (c.velocity[b] - c.velocity[a]);
+  const Real free = kFreeDepths * std::min(seen[a].depth, seen[b].depth);
+  if (!(dot(nearer, nearer) > free * free)) return false;
+  const auto moves = [&](std::uint32_t i) {
+    return c.owner[i] == ColliderOwner::body && c.motion[i] != ColliderMotion::fixed && c.shape[i]->convex();
+  };
+  return moves(a) && moves(b) && dot(nearer, c.center[b] - c.center[a]) < 0;
+}
+
+// Where two bodies that are apart will meet in this step, as they move now: the manifold of that time, with the gaps of
+// now, so that the solver lets them close and no more. `ahead`: how far b's centre comes nearer until then. Only what
+// would reach the core counts: a corner that brushes along is left to the next step.
+int Collide::Impl::look_ahead(std::uint32_t a, std::uint32_t b, Real margin, Real dt, Manifold* found, Vec3& ahead) {
+  const Colliders& c = *colliders;
+  const auto sweep = [&](std::uint32_t i) {
+    const Pose owner{c.center[i], c.pose[i].rotation * conjugate(c.local[i].rotation)};
+    return Sweep{c.shape[i], c.local[i], owner, dt * c.velocity[i], dt * c.angular_velocity[i], seen[i].extent};
+  };
+  const Sweep sweep_a = sweep(a), sweep_b = sweep(b);
+  const Real time = time_of_impact(sweep_a, sweep_b, 0, 1, margin / 2).time;
+  if (!(time <= 1)) return 0;
+  PairCache cache;
+  const int count =
+      narrow.collide(*c.shape[a], sweep_a.at(time), *c.shape[b], sweep_b.at(time), margin, cache, found);
+  ahead = time * (sweep_b.shift - sweep_a.shift);
+  for (int n = 0; n < count; ++n)
+    for (int k = 0; k < found[n].count; ++k) {
+      ManifoldPoint& q = found[n].points[k];
+      q.position -= time * sweep_a.shift;
+      const Vec3 arm_a = q.position - c.center[a], arm_b = q.position - c.center[b] - ahead;
+      const Vec3 nearer = ahead + time * (cross(sweep_b.turn, arm_b) - cross(sweep_a.turn, arm_a));
+      q.separation -= std::min(dot(nearer, found[n].normal), Real(0));
+    }
+  return count;
 }
 
 void Collide::obstacles(std::uint32_t collider, const Aabb& box, bool moving, Array<std::uint32_t>& found) const {

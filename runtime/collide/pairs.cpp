@@ -86,6 +86,7 @@ void Collide::Impl::compare_collider(std::uint32_t i) {
   if (s.bits & kChanged) {
     last_filter = filter;
     s.extent = c.shape[i]->extent(to_local(c.pose[i], c.center[i]));
+    s.depth = core_depth_of(*c.shape[i]);
   }
   if (s.bits & kSurfaceChanged) last_surface = surface;
 }

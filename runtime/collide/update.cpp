@@ -118,7 +118,8 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
     m.extent = std::min(seen[a].extent, seen[b].extent);
     m.margin = std::min(kSpeculative, kSpeculativeShare * m.extent);
   }
-  const std::uint32_t written = recycle(group) ? 0 : test_fresh(group, m.margin);
+  const bool ahead = !(group[0].bits & kTouching) && may_pass(a, b, dt);
+  const std::uint32_t written = !ahead && recycle(group) ? 0 : test_fresh(group, m.margin, dt);
   for (std::size_t k = 0; k < group.size(); ++k) {
     ContactEntry& e = group[k];
     if (!(e.bits & kTouching) && !(written >> k & 1u)) {
@@ -185,14 +186,19 @@ bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
 }
 
 // Returns a bit per contact that has points, or had.
-std::uint32_t Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin) {
+std::uint32_t Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin, Real dt) {
   const Colliders& c = *colliders;
   ContactMemory& m = memory[group[0].slot];
   const std::uint32_t a = group[0].a, b = group[0].b;
   Manifold found[kMaxManifolds];
-  const int count = narrow.collide(*c.shape[a], c.pose[a], *c.shape[b], c.pose[b], margin, m.cache, found);
+  int count = narrow.collide(*c.shape[a], c.pose[a], *c.shape[b], c.pose[b], margin, m.cache, found);
   FEDER_ASSERT(count >= 0 && static_cast<std::size_t>(count) <= group.size());
   m.valid = 1;
+  Vec3 ahead = Vec3::Zero();
+  if (count == 0 && may_pass(a, b, dt)) {
+    count = look_ahead(a, b, margin, dt, found, ahead);
+    m.valid = count == 0;
+  }
   m.between = c.center[b] - c.center[a];
   m.rotation_a = c.pose[a].rotation, m.rotation_b = c.pose[b].rotation;
   OldContacts old;
@@ -205,12 +211,14 @@ std::uint32_t Collide::Impl::test_fresh(std::span<const ContactEntry> group, Rea
     written |= 1u << k;
     static const Manifold none;
     // matching limit: a tenth of the smaller shape
-    write_manifold(group[k], used ? found[k] : none, {old.contact, old.count}, m.extent / 10);
+    write_manifold(group[k], used ? found[k] : none, {old.contact, old.count}, m.extent / 10, ahead);
   }
   return written;
 }
 
-void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit) {
+// `ahead`: how far b's centre comes nearer until the manifold, zero when it is that of now.
+void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit,
+                                   const Vec3& ahead) {
   const Colliders& c = *colliders;
   Contact& contact = contacts->slots[e.slot];
   ContactMemory& mem = memory[e.slot];
@@ -233,7 +241,7 @@ void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std
     mem.base[k] = 0;
     if (k >= m.count) continue;
     const ManifoldPoint& q = m.points[k];
-    p.arm_a = q.position - c.center[e.a], p.arm_b = q.position - c.center[e.b];
+    p.arm_a = q.position - c.center[e.a], p.arm_b = q.position - c.center[e.b] - ahead;
     p.separation = mem.base[k] = q.separation;
     p.feature = q.feature;
     const ContactPoint* from = old_point(p, old, limit, used);
