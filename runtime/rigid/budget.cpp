@@ -5,8 +5,7 @@
 // the same, by more than kSinks, says so once per world. Likewise where joints pull light bodies so that they would
 // swing faster than a substep can follow. Islands with net points, or on joints to kinematic bodies, have one piece.
 // Kept between steps: the level of each body. It falls only when less would do for kCalmSteps: each change under a load
-// that swings would drive it. Weak spot: more pieces under a load that has sunk in already set its energy free; a
-// moving kinematic body stands still during the pieces of a substep.
+// that swings would drive it. Weak spot: more pieces under a load that has sunk in already set its energy free.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>

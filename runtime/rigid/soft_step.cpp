@@ -8,8 +8,7 @@
 // per solver body: the velocity change by contacts in the substep before.
 // A contact is a spring whose stiffness goes with the smaller mass and the square of the substep rate, so islands whose
 // contacts carry many times what they join do each substep in 2^level pieces (rigid/budget.cpp), as if the world had so
-// many more substeps; what else changed their velocities is given in equal parts. Moving kinematic bodies stand still
-// meanwhile. By this a light box holds 10,000 times its mass, and sinks in by less than a hundredth.
+// many more substeps; what else changed their velocities is given in equal parts. By this a light box holds 10,000 times its mass, and sinks in by less than a hundredth.
 // Kept between steps: impulses, in Contacts and SolverJoint. Weak spot: stiff trees of joints and higher mass
 // ratios; simultaneous hits that share a body are resolved in colour order, in a few rounds.
 #include <algorithm>
@@ -107,6 +106,7 @@ class SoftStep final : public RigidSolver {
                        [&](std::uint32_t first, std::uint32_t last, int) { f(first, last); });
   }
   void make_groups(const SolverInput& in, StepContext& c);
+  void list_driven(const SolverInput& in, StepContext& c);
   void prepare_contacts(const SolverInput& in, StepContext& c);
   void prepare_joints(Group& g, const SolverInput& in, StepContext& c);
   void start_velocity(std::uint32_t i, bool again, SolverBody& s);
@@ -145,6 +145,7 @@ class SoftStep final : public RigidSolver {
   const SpinKernels& spin_kernels_;
   Group groups_[kLevels];                                       // by level; the first has one piece
   bool split_ = false;                                          // there are others than the first
+  std::span<std::uint32_t> driven_;  // solver indices of kinematic bodies that move, where there are others
   JobPool::Stage stages_[3 * (ContactGroup::kMostStages + 1)];  // of a piece
 
   // in the step's scratch memory
@@ -274,12 +275,23 @@ void SoftStep::prepare(const SolverInput& in, StepContext& c) {
   }
   if (contact_count_ > 0) prepare_contacts(in, c);
   if (!split_) return;
+  list_driven(in, c);
   kept_ = c.scratch->take<Real>(body_count_ * 6);
   push_ = c.scratch->take<Real>(body_count_ * 6);
   for (std::size_t i = 0; i < body_count_; ++i) put_velocity(in.solver_bodies->state[i], kept_ + i * 6);
   kept_momentum_ = in.jointed.empty() ? nullptr : c.scratch->take<Vec3d>(body_count_);
   for (std::uint32_t i = 0; i < in.jointed.size(); ++i)
     if (const JointedBody* j = in.uneven(i)) kept_momentum_[i] = carried_momentum(*j, in.solver_bodies->state[i]);
+}
+
+void SoftStep::list_driven(const SolverInput& in, StepContext& c) {
+  std::uint32_t* list = c.scratch->take<std::uint32_t>(body_count_);
+  std::size_t count = 0;
+  for (std::uint32_t i = 1; i < body_count_; ++i) {
+    const SolverBody& s = in.solver_bodies->state[i];
+    if (!movable(in.solver_bodies->mass[i]) && !(s.velocity.isZero(0) && s.angular_velocity.isZero(0))) list[count++] = i;
+  }
+  driven_ = {list, count};
 }
 
 // Impulses of joints, too, are kept per substep.
@@ -373,6 +385,9 @@ void SoftStep::move(const Group& g, std::uint32_t first, std::uint32_t last, Rea
   } else {
     spin_kernels_.drift({velocities_of(*state), std::max(first, 1u), last, h});
   }
+  if (first > 0 || g.level == 0) return;
+  // kinematic bodies move along, and are put back for the next group
+  for (const std::uint32_t i : driven_) spin_kernels_.drift({velocities_of(*state), i, i + 1, h});
 }
 
 // `slides`: by trees, which correct positions.
@@ -533,6 +548,8 @@ void SoftStep::solve_in_pieces(Group& g, const SolverInput& in, StepContext& c) 
   const std::uint32_t count = static_cast<std::uint32_t>(g.pieces());
   const Real share = Real(1) / static_cast<Real>(count), h = share * c.h;
   SolverBody* state = in.solver_bodies->state.data();
+  SolverBody* driven = c.scratch->take<SolverBody>(driven_.size());
+  for (std::size_t n = 0; n < driven_.size(); ++n) driven[n] = state[driven_[n]];
   Vec3d* given = kept_momentum_ ? c.scratch->take<Vec3d>(body_count_) : nullptr;
   each_body(g, c, [&](std::uint32_t i) {
     Real* kept = kept_ + std::size_t(i) * 6;
@@ -556,6 +573,7 @@ void SoftStep::solve_in_pieces(Group& g, const SolverInput& in, StepContext& c) 
     });
     solve_piece(g, {h, done + n == 0, done + n}, in, c);
   }
+  for (std::size_t n = 0; n < driven_.size(); ++n) state[driven_[n]] = driven[n];
   each_body(g, c, [&](std::uint32_t i) {
     put_velocity(state[i], kept_ + std::size_t(i) * 6);
     if (const JointedBody* j = in.uneven(i)) kept_momentum_[i] = carried_momentum(*j, state[i]);

@@ -60,39 +60,50 @@ void ContactBook::keep(std::uint32_t finder, const ContactRecord& record) {
   see(finder, n);
 }
 
+// Records change in place; new ones wait until all findings are read, and are merged in from behind.
 void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& events) {
   open_ = records_.size();
   if (findings_.empty() && seen_ == 0) return;
   std::sort(findings_.begin(), findings_.end(), earlier);
-  next_.clear();
+  added_.clear();
+  const auto over = [](const ContactRecord& r) { return r.count == 0 && r.finders == 0; };
   const std::span<const ContactFinding> findings(findings_.data(), findings_.size());
   std::size_t n = 0;
+  bool any_over = false;
   for (std::size_t first = 0; first < findings.size() || n < records_.size();) {
     // records without findings stay as they are
-    const std::size_t from = n;
     while (n < records_.size() && records_[n].finders == 0 &&
            (first == findings.size() || records_[n].key < findings[first].key))
       ++n;
-    next_.insert(next_.end(), records_.begin() + static_cast<std::ptrdiff_t>(from),
-                 records_.begin() + static_cast<std::ptrdiff_t>(n));
     if (first == findings.size() && n == records_.size()) break;
     const bool known = n < records_.size() && (first == findings.size() || !(findings[first].key < records_[n].key));
-    ContactRecord record;
-    if (known)
-      record = records_[n++];
-    else
-      record.key = findings[first].key, record.begun = step;
+    ContactRecord fresh;
+    if (!known) fresh.key = findings[first].key, fresh.begun = step;
+    ContactRecord& record = known ? records_[n++] : fresh;
     std::size_t last = first;
     while (last < findings.size() && findings[last].key == record.key) ++last;
     apply(record, findings.subspan(first, last - first), step, objects, events);
-    if (record.count || record.finders) next_.push_back(record);
+    if (over(record))
+      any_over = any_over || known;
+    else if (!known)
+      added_.push_back(fresh);
     first = last;
   }
-  records_.swap(next_);
-  next_.reserve(records_.capacity());
+  if (any_over) std::erase_if(records_, over);
+  insert_added();
   findings_.clear();
   seen_ = 0;
   for (const ContactRecord& r : records_) seen_ += r.finders != 0;
+}
+
+void ContactBook::insert_added() {
+  if (records_.empty()) return records_.swap(added_);
+  std::size_t from = records_.size(), to = from + added_.size();
+  records_.resize(to);
+  for (std::size_t k = added_.size(); k > 0;) {
+    const bool later = from > 0 && added_[k - 1].key < records_[from - 1].key;
+    records_[--to] = later ? records_[--from] : added_[--k];
+  }
 }
 
 // The findings of one pair: it begins, stays or ends.

@@ -56,7 +56,7 @@ static_assert(sizeof(ContactRecord) == 48 + 6 * sizeof(Real));
 
 class ContactBook {
  public:
-  explicit ContactBook(Arena& arena) : records_(&arena), next_(&arena), findings_(&arena) {}
+  explicit ContactBook(Arena& arena) : records_(&arena), added_(&arena), findings_(&arena) {}
 
   // The bit of a finder that sees. Worlds that are made alike give equal bits.
   std::uint32_t finder(std::string_view name);
@@ -94,9 +94,10 @@ class ContactBook {
   void add(const ContactFinding& finding);
   void apply(ContactRecord& record, std::span<const ContactFinding> findings, std::uint64_t step,
              const Objects& objects, Events& events);
+  void insert_added();
 
   std::vector<std::string> finders_;  // by bit
-  Array<ContactRecord> records_, next_;
+  Array<ContactRecord> records_, added_;
   Array<ContactFinding> findings_;
   std::size_t seen_ = 0;  // records that a finder sees
   std::size_t open_ = 0;  // records before the merge of this step
