@@ -100,6 +100,7 @@ struct ContactPass {
   WideReal push_speed;           // largest speed at which overlap is undone, m/s
   WideReal bounce_speed;         // slower approaches do not bounce, m/s
   unsigned odd;                  // 1 in every second substep
+  unsigned again;                // 1: `relax` has been here in this substep
   unsigned all_strike;           // 1: impacts without restitution, too, are strikes
   const unsigned char* jointed;  // by solver index: on a joint
   unsigned char* struck;         // by solver index: the last wave of strikes that changed its velocity; null: mark all

@@ -10,7 +10,6 @@
 namespace feder {
 namespace {
 
-constexpr int kFixedColor = 48;  // colours from here on: contacts against immovable bodies, solved last
 // In ContactShared::crowd immovable bodies count kSupport: with 1/2 a heavy crate on a light one oscillates for twice
 // as long, with 1 a tower sinks a twentieth deeper.
 constexpr Real kSupport = 0.75;
@@ -303,10 +302,10 @@ bool ContactGroup::any_strikes(bool all) const {
   return false;
 }
 
-void ContactGroup::run(void (*kernel)(const ContactPass&), ContactPass p, JobPool& jobs) {
+void ContactGroup::run(void (*kernel)(const ContactPass&), ContactPass p, JobPool& jobs, Which which) {
   if (batch_count_ == 0) return;
   if (jobs.threads() == 1) {  // batches lie in the order of their colours: one thread does all in one go
-    p.first = 0, p.last = batch_count_;
+    p.first = 0, p.last = color_first_[colors(which)];
     kernel(p);
     return;
   }
@@ -315,7 +314,7 @@ void ContactGroup::run(void (*kernel)(const ContactPass&), ContactPass p, JobPoo
     own.first = first, own.last = last;
     kernel(own);
   };
-  jobs.run_stages({stages_, stages(part, stages_)});
+  jobs.run_stages({stages_, stages(part, stages_, which)});
 }
 
 }  // namespace feder

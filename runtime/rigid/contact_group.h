@@ -27,16 +27,18 @@ class ContactGroup {
   // The contacts in `slots`; `level`: their substep is done in 2^level pieces.
   void build(const SolverInput& in, StepContext& c, const ContactShared& shared, std::span<const std::uint32_t> slots,
              int level);
-  // Runs a kernel over all batches, colour after colour; `pass` has all but the range.
-  void run(void (*kernel)(const ContactPass&), ContactPass pass, JobPool& jobs);
+  // Runs a kernel over all batches, colour after colour, or over those between bodies that move; `pass` has all but the
+  // range.
+  enum class Which { all, between_movers };
+  void run(void (*kernel)(const ContactPass&), ContactPass pass, JobPool& jobs, Which which = Which::all);
   // The same as stages of a loop: body(first, last, worker) is called for batches of one colour. Returns their number.
   static constexpr int kMostStages = 65;  // colours, and before them what found none
   template <class Body>
-  std::size_t stages(Body& body, JobPool::Stage* to) const {
+  std::size_t stages(Body& body, JobPool::Stage* to, Which which = Which::all) const {
     std::size_t count = 0;
     if (overflow_count_ > 0)  // one after the other
       to[count++] = JobPool::stage(0, overflow_count_, {overflow_count_, overflow_count_ * kBatchNs}, body);
-    for (int k = 0; k < kColors; ++k)
+    for (int k = 0; k < colors(which); ++k)
       if (color_first_[k] < color_first_[k + 1])
         to[count++] =
             JobPool::stage(color_first_[k], color_first_[k + 1], {kSolveBatches, kSolveBatches * kBatchNs}, body);
@@ -83,6 +85,8 @@ class ContactGroup {
 
  private:
   static constexpr int kColors = kMostStages - 1;
+  static constexpr int kFixedColor = 48;  // colours from here on: contacts against immovable bodies, solved last
+  static int colors(Which which) { return which == Which::all ? kColors : kFixedColor; }
   static constexpr std::uint32_t kSolveBatches = 8, kBatchNs = 300;  // of a block; of a batch
   void color(const SolverInput& in, StepContext& c, const ContactShared& shared, std::span<const std::uint32_t> slots);
   void check_colors(const SolverInput& in, StepContext& c, const ContactShared& shared,

@@ -572,6 +572,11 @@ void solve_some(const ContactPass& p, unsigned first) {
   write_back(p, c, s[0]);
 }
 
+template <int kCount>
+[[gnu::always_inline]] inline void add_totals(const ContactBatch& c, BatchSide& side, Lanes sign) {
+  for (int j = 0; j < kCount; ++j) store(side.total[j], load(side.total[j]) + sign * load(c.point[j].impulse));
+}
+
 template <int kCount, int kWide>
 void relax_some(const ContactPass& p, unsigned first) {
   ContactBatch* c = p.batches + first;
@@ -586,6 +591,8 @@ void relax_some(const ContactPass& p, unsigned first) {
     gather_displacement(p, c[i], s[i]);
     f[i] = frame_of(c[i]);
   });
+  if (p.again)
+    each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { add_totals<kCount>(c[i], side[i], all_lanes(-1)); });
   solve_normals<false, kCount, kWide>(p, first, f, s, held);
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
     if (c[i].rolls) relax_rolling(c[i], extra[i], held[i], s[i]);
@@ -597,7 +604,7 @@ void relax_some(const ContactPass& p, unsigned first) {
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { write_back(p, c[i], s[i]); });
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
     if (again[i]) relax_loaded(p, first + i);
-    for (int j = 0; j < kCount; ++j) store(side[i].total[j], load(side[i].total[j]) + load(c[i].point[j].impulse));
+    add_totals<kCount>(c[i], side[i], all_lanes(1));
   });
 }
 

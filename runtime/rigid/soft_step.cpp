@@ -36,6 +36,9 @@ constexpr int kEaseTurns = 10, kEaseRounds = 4;  // likewise, for what the warm 
 constexpr int kStrikeWaves = 64;  // in a substep; what has not been passed on then is left to the soft rows
 // batches and bodies per job
 constexpr Real kTreeRatio = 2'000;  // by experiment, with pieces: beyond, some chains gain energy
+// Every so many substeps, contacts between bodies relax twice: what sways in large piles comes to rest in a third of
+// the time.
+constexpr std::uint32_t kRelaxAgain = 4;
 constexpr JobGrain kFillGrain{8, 5'000}, kBodyGrain{512, 3'000};
 
 static_assert(std::is_same_v<WideReal, Real>);
@@ -132,6 +135,10 @@ class SoftStep final : public RigidSolver {
       for (Real& impulse : in.joints[j].impulse) impulse *= by;
   }
   void solve_staged(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
+  static bool relaxes_again(const Group& g, const Piece& piece, const StepContext& c) {
+    const std::uint64_t pieces = c.step * static_cast<std::uint64_t>(c.substeps * g.pieces()) + piece.k;
+    return !g.contacts.empty() && pieces % kRelaxAgain == kRelaxAgain - 1;
+  }
   void solve_piece(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
   void solve_in_pieces(Group& g, const SolverInput& in, StepContext& c);
 
@@ -146,7 +153,7 @@ class SoftStep final : public RigidSolver {
   Group groups_[kLevels];                                       // by level; the first has one piece
   bool split_ = false;                                          // there are others than the first
   std::span<std::uint32_t> driven_;  // solver indices of kinematic bodies that move, where there are others
-  JobPool::Stage stages_[3 * (ContactGroup::kMostStages + 1)];  // of a piece
+  JobPool::Stage stages_[4 * (ContactGroup::kMostStages + 1)];  // of a piece
 
   // in the step's scratch memory
   ContactShared shared_;
@@ -510,6 +517,11 @@ void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, 
   if (jointed) keep_out(g, in, c, [&] { g.soft_joints->relax(own, time); });
   if (jointed && !g.soft_joints->all_direct()) report_corrections(g, piece, in);
   run(kernels_->relax);
+  if (relaxes_again(g, piece, c)) {
+    ContactPass again = pass(g, piece, in, c);
+    again.again = 1;
+    g.contacts.run(kernels_->relax, again, *c.jobs, ContactGroup::Which::between_movers);
+  }
   if (!g.contacts.empty()) each_body(g, c, [&](std::uint32_t i) { end_velocity(i, state[i]); });
 }
 
@@ -517,9 +529,9 @@ void SoftStep::solve_piece(Group& g, const Piece& piece, const SolverInput& in, 
 void SoftStep::solve_staged(Group& g, const Piece& piece, const SolverInput& in, StepContext& c) {
   SolverBody* state = in.solver_bodies->state.data();
   const ContactPass all = pass(g, piece, in, c);
-  const auto over_batches = [&all](void (*kernel)(const ContactPass&)) {
-    return [&all, kernel](std::uint32_t first, std::uint32_t last, int) {
-      ContactPass part = all;
+  const auto over_batches = [](void (*kernel)(const ContactPass&), const ContactPass& pass) {
+    return [&pass, kernel](std::uint32_t first, std::uint32_t last, int) {
+      ContactPass part = pass;
       part.first = first, part.last = last;
       kernel(part);
     };
@@ -530,8 +542,8 @@ void SoftStep::solve_staged(Group& g, const Piece& piece, const SolverInput& in,
   const auto start = over_bodies([&](std::uint32_t i) { start_velocity(i, !piece.first, state[i]); });
   const auto drift = [&](std::uint32_t first, std::uint32_t last, int) { move(g, first, last, piece.h, in); };
   const auto end = over_bodies([&](std::uint32_t i) { end_velocity(i, state[i]); });
-  const auto warm_start = over_batches(kernels_->warm_start), solve = over_batches(kernels_->solve),
-             relax = over_batches(kernels_->relax);
+  const auto warm_start = over_batches(kernels_->warm_start, all), solve = over_batches(kernels_->solve, all),
+             relax = over_batches(kernels_->relax, all);
   const std::uint32_t bodies = listed_bodies(g);
   std::size_t count = 0;
   stages_[count++] = JobPool::stage(0, bodies, kBodyGrain, start);
@@ -539,6 +551,11 @@ void SoftStep::solve_staged(Group& g, const Piece& piece, const SolverInput& in,
   count += g.contacts.stages(solve, &stages_[count]);
   stages_[count++] = JobPool::stage(0, bodies, kBodyGrain, drift);
   count += g.contacts.stages(relax, &stages_[count]);
+  ContactPass again = all;
+  again.again = 1;
+  const auto relax_again = over_batches(kernels_->relax, again);
+  if (relaxes_again(g, piece, c))
+    count += g.contacts.stages(relax_again, &stages_[count], ContactGroup::Which::between_movers);
   stages_[count++] = JobPool::stage(0, bodies, kBodyGrain, end);
   c.jobs->run_stages({stages_, count});
 }
