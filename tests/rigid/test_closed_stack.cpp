@@ -133,6 +133,23 @@ TEST_CASE("a pyramid comes to rest", "[rigid][closed]") {
   CHECK(s.position(crates.back())[1] == Approx(base - 0.5).margin(0.02));
 }
 
+// Boxes side by side sway together, by what one pass over the contacts leaves.
+TEST_CASE("a large pyramid stops swaying", "[rigid][closed]") {
+  ClosedScene s("soft_step");
+  s.desc.gravity = Vec3(0, -10, 0);
+  const int base = 50;
+  s.rigid().add_body(ground_of(Real(0.6)));
+  std::vector<ObjectId> crates;
+  for (int row = 0; row < base; ++row)
+    for (int k = 0; k < base - row; ++k)
+      crates.push_back(s.rigid().add_body(body_of(
+          make_box(1, 1, 1), Vec3(Real(k) - Real(base - 1 - row) / 2, Real(row) + Real(0.5), 0), 100, Real(0.6))));
+  s.run(200 / 60.0);
+  Real sum = 0;
+  for (const ObjectId body : crates) sum += length(s.velocity(body));
+  CHECK(sum < Real(2.5e-3) * Real(crates.size()));
+}
+
 TEST_CASE("light under heavy", "[rigid][closed]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   CAPTURE(solver);
