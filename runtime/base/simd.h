@@ -101,9 +101,9 @@ typedef WideIndex LaneMask __attribute__((vector_size(kLanes * sizeof(WideIndex)
 #endif
 }
 [[gnu::always_inline]] inline LaneMask mask_of(unsigned bits) {
-  const LaneMask each = {1, 2, 4, 8, 16, 32, 64, 128}, b = {WideIndex(bits), WideIndex(bits), WideIndex(bits),
-                                                            WideIndex(bits), WideIndex(bits), WideIndex(bits),
-                                                            WideIndex(bits), WideIndex(bits)};
+  const LaneMask each = {1, 2, 4, 8, 16, 32, 64, 128},
+                 b = {WideIndex(bits), WideIndex(bits), WideIndex(bits), WideIndex(bits),
+                      WideIndex(bits), WideIndex(bits), WideIndex(bits), WideIndex(bits)};
   return (b & each) != 0;
 }
 

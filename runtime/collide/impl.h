@@ -203,7 +203,8 @@ struct Collide::Impl {
   template <class C, class F>
   static void each_saved(C& c, F&& f) {
     for_each_of(f, c.contacts->slots, c.contacts->order, c.contacts->free_list, c.contacts->active,
-                c.contacts->active_pairs, c.seen, c.entries, c.memory, c.exclusions, c.recheck_filters, c.recheck_surfaces, c.material_pairs, c.material_numbers);
+                c.contacts->active_pairs, c.seen, c.entries, c.memory, c.exclusions, c.recheck_filters,
+                c.recheck_surfaces, c.material_pairs, c.material_numbers);
   }
 
   Arena& arena;

@@ -43,8 +43,7 @@ int Collide::Impl::look_ahead(std::uint32_t a, std::uint32_t b, Real margin, Rea
   const Real time = time_of_impact(sweep_a, sweep_b, 0, 1, margin / 2).time;
   if (!(time <= 1)) return 0;
   PairCache cache;
-  const int count =
-      narrow.collide(*c.shape[a], sweep_a.at(time), *c.shape[b], sweep_b.at(time), margin, cache, found);
+  const int count = narrow.collide(*c.shape[a], sweep_a.at(time), *c.shape[b], sweep_b.at(time), margin, cache, found);
   ahead = time * (sweep_b.shift - sweep_a.shift);
   for (int n = 0; n < count; ++n)
     for (int k = 0; k < found[n].count; ++k) {

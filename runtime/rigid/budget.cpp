@@ -33,14 +33,14 @@ constexpr int kCalmSteps = 30;              // a lower level must do for so long
 constexpr int kHotSteps = 4;                // where weights ask for none, loads must do so for so long: impacts do not
 constexpr std::uint64_t kMostExtra = 2048;  // pieces times contacts of a world beyond its substeps
 constexpr int kTiers = 32;                  // of bodies on each other
-constexpr std::uint64_t kLookSteps = 4;     // between two looks at a joint or an old contact of an island without pieces
-constexpr std::uint64_t kLoadSteps = 8;     // between two looks for what gives way
-constexpr Real kSinks = Real(0.05);         // of the thickness
-constexpr Real kSqueezed = Real(0.1);       // of the thickness, at any moment
-constexpr Real kOdd = 100;                  // times the mass, from which that speaks
-constexpr Real kShare = Real(0.25);         // of the depth, at least, must be the load's
-constexpr Real kMostTimes = Real(3e4);      // its own weight
-constexpr Real kParts = Real(0.95);         // between two looks: what overlaps less is parting
+constexpr std::uint64_t kLookSteps = 4;  // between two looks at a joint or an old contact of an island without pieces
+constexpr std::uint64_t kLoadSteps = 8;  // between two looks for what gives way
+constexpr Real kSinks = Real(0.05);      // of the thickness
+constexpr Real kSqueezed = Real(0.1);    // of the thickness, at any moment
+constexpr Real kOdd = 100;               // times the mass, from which that speaks
+constexpr Real kShare = Real(0.25);      // of the depth, at least, must be the load's
+constexpr Real kMostTimes = Real(3e4);   // its own weight
+constexpr Real kParts = Real(0.95);      // between two looks: what overlaps less is parting
 
 Real squared_pieces(int level) { return static_cast<Real>(std::uint64_t(1) << (2 * level)); }
 
@@ -54,8 +54,8 @@ Real depth_of(const Contact& contact) {
 
 }  // namespace
 
-// Who lies above in a contact, and who below; kNone where that is no body. With what part of the weight, and what a load
-// needs of the contact: all later looks are at this.
+// Who lies above in a contact, and who below; kNone where that is no body. With what part of the weight, and what a
+// load needs of the contact: all later looks are at this.
 Rigid::Impl::Pile Rigid::Impl::pile_of(const Contact& contact, const Vec3& gravity) const {
   const Real along = dot(contact.normal, gravity);
   const std::uint32_t a = colliders.body_of(contact.collider_a), b = colliders.body_of(contact.collider_b);

@@ -7,8 +7,8 @@ namespace feder {
 
 inline constexpr int kBatchPoints = 4;
 
-// A point lies at the manifold's centre + x t1 + y t2, where n, t1, t2 are the normal and its tangent_frame, so that its
-// motion along the normal takes two products. What it is off along n does not matter.
+// A point lies at the manifold's centre + x t1 + y t2, where n, t1, t2 are the normal and its tangent_frame, so that
+// its motion along the normal takes two products. What it is off along n does not matter.
 struct BatchPoint {
   Lane8 x, y;        // m
   Lane8 separation;  // at the start of the step, m
@@ -21,7 +21,7 @@ struct BatchPoint {
 struct ContactBatch {
   unsigned index_a[kLanes], index_b[kLanes];  // solver indices; 0 = world
   unsigned char points;                       // the largest point count of the lanes
-  unsigned char rounds;             // symmetric sweeps over the points per pass: more when a lane has no warm start
+  unsigned char rounds;              // symmetric sweeps over the points per pass: more when a lane has no warm start
   unsigned char writes_a, writes_b;  // bit per lane: the solver body can be pushed
   unsigned char fixed;               // bit per lane: one side cannot move
   unsigned char warm;                // bit per lane: began the step with impulses
@@ -53,11 +53,11 @@ struct BatchSide {
 
 // What few batches need: where nothing rolls, conveys or is locked it is not touched, and takes no memory.
 struct BatchExtra {
-  Lane8x3 axes_a, axes_b;    // where something is locked: inverse masses by world axis, 1/kg
-  Lane8 tangent_speed[2];    // wanted, m/s (conveyor)
-  Lane8 rolling_arm;         // m
-  Lane8 rolling_mass[6];     // inverse of the sum of the inverse inertias, kg m^2
-  Lane8x3 rolling_impulse;   // N m s
+  Lane8x3 axes_a, axes_b;   // where something is locked: inverse masses by world axis, 1/kg
+  Lane8 tangent_speed[2];   // wanted, m/s (conveyor)
+  Lane8 rolling_arm;        // m
+  Lane8 rolling_mass[6];    // inverse of the sum of the inverse inertias, kg m^2
+  Lane8x3 rolling_impulse;  // N m s
 };
 
 // What only `prepare` takes of a batch.
@@ -92,8 +92,8 @@ struct ContactPass {
   StrikeBatch* strikes;
   BatchExtra* extras;
   const BatchInput* input;  // of the batch `first`, alone; for `prepare`
-  unsigned first, last;  // range of batches
-  WideReal* bodies;      // SolverBody as 16 numbers each
+  unsigned first, last;     // range of batches
+  WideReal* bodies;         // SolverBody as 16 numbers each
   const WideMass* masses;
   WideReal h, inv_h;
   SoftFactors soft, soft_fixed;  // between solver bodies; against something that cannot move
@@ -109,7 +109,7 @@ struct ContactPass {
 
 struct ContactKernels {
   void (*prepare)(const ContactPass&);  // of one batch
-  void (*renew)(const ContactPass&);  // after `prepare`: the masses have changed
+  void (*renew)(const ContactPass&);    // after `prepare`: the masses have changed
   void (*warm_start)(const ContactPass&);
   void (*mark)(const ContactPass&);         // which points strike
   void (*strike)(const ContactPass&);       // restitution, a round over those

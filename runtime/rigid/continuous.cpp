@@ -3,9 +3,9 @@
 // of a step and its commit. Bodies that move by less than the depth of their core cannot pass anything and are not
 // looked at. Fixed bodies and kinematic ones at rest stop all, moving ones only bullets.
 // Source: time of impact as in narrow/impact.h; the way is searched in pieces, so that its cost is what lies near it.
-// Two moving bodies meet by their contact, which looks ahead (collide/obstacles.cpp). Weak spot: that takes them to move
-// as they do when the step begins; a bullet that stops is pushed along by the rest of the other's way; parts of a body
-// outside its core may rotate through a thin wall.
+// Two moving bodies meet by their contact, which looks ahead (collide/obstacles.cpp). Weak spot: that takes them to
+// move as they do when the step begins; a bullet that stops is pushed along by the rest of the other's way; parts of a
+// body outside its core may rotate through a thin wall.
 #include <algorithm>
 
 #include "rigid/impl.h"

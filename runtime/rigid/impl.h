@@ -340,7 +340,7 @@ struct Rigid::Impl {
   Array<ObjectId> moved{&arena};                              // awake in the last step
   Array<std::uint32_t> touching{&arena};                      // slots of contacts; wake_touching
   Array<std::uint8_t> levels{&arena};                         // by solver index; empty: all 0
-  BodyPush* pushes = nullptr;  // by solver index, in the step's scratch memory
+  BodyPush* pushes = nullptr;                                 // by solver index, in the step's scratch memory
   Array<Vec3> applied_force{&arena}, applied_torque{&arena};  // by p, N and N m
   Array<Vec3> angular_momentum{&arena};                       // by p, of asymmetric bodies, N m s
   Array<SpinBatch> spin_batches{&arena};                      // of those that are on no joint

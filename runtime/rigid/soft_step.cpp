@@ -8,166 +8,16 @@
 // per solver body: the velocity change by contacts in the substep before.
 // A contact is a spring whose stiffness goes with the smaller mass and the square of the substep rate, so islands whose
 // contacts carry many times what they join do each substep in 2^level pieces (rigid/budget.cpp), as if the world had so
-// many more substeps; what else changed their velocities is given in equal parts. By this a light box holds 10,000 times its mass, and sinks in by less than a hundredth.
-// Kept between steps: impulses, in Contacts and SolverJoint. Weak spot: stiff trees of joints and higher mass
-// ratios; simultaneous hits that share a body are resolved in colour order, in a few rounds.
-#include <algorithm>
+// many more substeps; what else changed their velocities is given in equal parts. By this a light box holds 10,000
+// times its mass, and sinks in by less than a hundredth. Kept between steps: impulses, in Contacts and SolverJoint.
+// Weak spot: stiff trees of joints and higher mass ratios; simultaneous hits that share a body are resolved in colour
+// order, in a few rounds.
+#include "rigid/soft_step.h"
 
-#include "base/jobs.h"
-#include "base/simd.h"
-#include "feder/error.h"
-#include "rigid/contact_group.h"
-#include "rigid/joint_impacts.h"
-#include "rigid/soft_joints.h"
-#include "rigid/solver.h"
-#include "rigid/spin_batch.h"
-#include "state/colliders.h"
-#include "state/contacts.h"
-#include "state/solver_bodies.h"
+#include <algorithm>
 
 namespace feder {
 namespace {
-
-// A contact bounces when it closes faster than gravity alone would make it in so many substeps, and bounce_speed.
-constexpr Real kRestSubsteps = 4;
-// turns of contacts and joints, and rounds of contacts in each; what is left then is left to the soft rows
-constexpr int kImpactTurns = 30, kImpactRounds = 16;
-constexpr int kEaseTurns = 10, kEaseRounds = 4;  // likewise, for what the warm start throws
-constexpr int kStrikeWaves = 64;  // in a substep; what has not been passed on then is left to the soft rows
-// batches and bodies per job
-constexpr Real kTreeRatio = 2'000;  // by experiment, with pieces: beyond, some chains gain energy
-// Every so many substeps, contacts between bodies relax twice: what sways in large piles comes to rest in a third of
-// the time.
-constexpr std::uint32_t kRelaxAgain = 4;
-constexpr JobGrain kFillGrain{8, 5'000}, kBodyGrain{512, 3'000};
-
-static_assert(std::is_same_v<WideReal, Real>);
-
-const ContactKernels& pick_kernels([[maybe_unused]] bool wide) {
-#if defined(__x86_64__) || defined(__i386__)
-  if (wide && __builtin_cpu_supports("avx2")) return kContactKernelsAvx2;
-#endif
-  return kContactKernelsPlain;
-}
-
-class SoftStep final : public RigidSolver {
- public:
-  SoftStep(Arena& arena, const Params& p)
-      : kernels_(&pick_kernels(wide_kernels(p))), contact_hertz_(p.real({"contact_hertz", "Hz", {0.1, 1e5}}, 72)),
-        contact_damping_(p.real({"contact_damping", "", {0, 1e3}}, 16)),
-        contact_cap_(p.real({"contact_cap", "", kUnitRange}, 0.3)),
-        push_speed_(p.real({"push_speed", "m/s", {0, 1e6}}, 3)),
-        bounce_speed_(p.real({"bounce_speed", "m/s", {0, 1e6}}, 0.02)),
-        bounce_rounds_(p.integer({"bounce_rounds", "", {1, 100}}, 4)),
-        joint_hertz_(p.real({"joint_hertz", "Hz", {0.1, 1e5}}, 60)),
-        joint_damping_(p.real({"joint_damping", "", {0, 1e3}}, 2)), joint_trees_(p.flag({"joint_trees"}, true)),
-        arena_(arena), joint_kernels_(joint_kernels(wide_kernels(p))), spin_kernels_(spin_kernels(wide_kernels(p))) {}
-
-  void prepare(const SolverInput& in, StepContext& c) override;
-  void solve(const SolverInput& in, StepContext& c) override;
-  void finish(const SolverInput& in, StepContext& c) override;
-  ContactSpring contact_spring(Real h) const override;
-  Real tree_ratio() const override { return joint_trees_ ? kTreeRatio : Real(0); }
-  bool wide() const override { return kernels_ != &kContactKernelsPlain; }
-
- private:
-  // What is solved together: contacts, joints (null: there never were any of this level) and the bodies they push.
-  struct Group {
-    ContactGroup contacts;
-    std::unique_ptr<SoftJoints> soft_joints;
-    std::span<const std::uint32_t> joints;  // indices into SolverInput::joints, ascending
-    std::span<const std::uint32_t> bodies;  // solver indices, ascending; not listed where all are in the first group
-    int level = 0;
-    int pieces() const { return 1 << level; }
-    bool used() const { return level == 0 || !bodies.empty(); }
-  };
-  // A substep of a group, or a piece of it.
-  struct Piece {
-    Real h;           // s
-    bool first;       // of the step
-    std::uint32_t k;  // in the step
-  };
-  // Calls f(i) for some solver bodies of a group but the world: the numbers first to last - 1 of listed_bodies.
-  template <class F>
-  void each_of(const Group& g, std::uint32_t first, std::uint32_t last, F&& f) const {
-    if (split_)
-      for (std::uint32_t n = first; n < last; ++n) f(g.bodies[n]);
-    else
-      for (std::uint32_t i = std::max(first, 1u); i < last; ++i) f(i);
-  }
-  std::uint32_t listed_bodies(const Group& g) const {
-    return static_cast<std::uint32_t>(split_ ? g.bodies.size() : body_count_);
-  }
-  // For all of them, in parallel.
-  template <class F>
-  void each_body(const Group& g, StepContext& c, F&& f) {
-    each_block(g, c, [&](std::uint32_t first, std::uint32_t last) { each_of(g, first, last, f); });
-  }
-  template <class F>
-  void each_block(const Group& g, StepContext& c, F&& f) {
-    c.jobs->for_blocks(listed_bodies(g), kBodyGrain,
-                       [&](std::uint32_t first, std::uint32_t last, int) { f(first, last); });
-  }
-  void make_groups(const SolverInput& in, StepContext& c);
-  void list_driven(const SolverInput& in, StepContext& c);
-  void prepare_contacts(const SolverInput& in, StepContext& c);
-  void prepare_joints(Group& g, const SolverInput& in, StepContext& c);
-  void start_velocity(std::uint32_t i, bool again, SolverBody& s);
-  void move(const Group& g, std::uint32_t first, std::uint32_t last, Real h, const SolverInput& in) const;
-  void move_sliding(std::uint32_t i, Real h, std::span<const BodySlide> slides, const SolverInput& in) const;
-  void end_velocity(std::uint32_t i, const SolverBody& s);
-  void report_corrections(const Group& g, const Piece& piece, const SolverInput& in);
-  ContactPass pass(const Group& g, const Piece& piece, const SolverInput& in, const StepContext& c) const;
-  void renew_contacts(Group& g, const Piece& piece, const SolverInput& in, const StepContext& c);
-  void begin_from(std::uint32_t i, const SolverBody& s);
-  void strike(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
-  void ease_contacts(Group& g, const Piece& piece, const SolverInput& in, const SolverInput& own, StepContext& c);
-  void settle_impacts(Group& g, const Piece& piece, const SolverInput& in, const SolverInput& own, StepContext& c);
-  template <class F>
-  void keep_out(const Group& g, const SolverInput& in, StepContext& c, F&& f);
-  static SolverInput part(const Group& g, const SolverInput& in) {
-    SolverInput own = in;
-    own.active_joints = g.joints;
-    return own;
-  }
-  static void scale_impulses(const Group& g, const SolverInput& in, Real by) {
-    for (const std::uint32_t j : g.joints)
-      for (Real& impulse : in.joints[j].impulse) impulse *= by;
-  }
-  void solve_staged(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
-  static bool relaxes_again(const Group& g, const Piece& piece, const StepContext& c) {
-    const std::uint64_t pieces = c.step * static_cast<std::uint64_t>(c.substeps * g.pieces()) + piece.k;
-    return !g.contacts.empty() && pieces % kRelaxAgain == kRelaxAgain - 1;
-  }
-  void solve_piece(Group& g, const Piece& piece, const SolverInput& in, StepContext& c);
-  void solve_in_pieces(Group& g, const SolverInput& in, StepContext& c);
-
-  const ContactKernels* kernels_;
-  Real contact_hertz_, contact_damping_, contact_cap_, push_speed_, bounce_speed_;
-  int bounce_rounds_;
-  Real joint_hertz_, joint_damping_;
-  bool joint_trees_;
-  Arena& arena_;
-  const JointKernels& joint_kernels_;
-  const SpinKernels& spin_kernels_;
-  Group groups_[kLevels];                                       // by level; the first has one piece
-  bool split_ = false;                                          // there are others than the first
-  std::span<std::uint32_t> driven_;  // solver indices of kinematic bodies that move, where there are others
-  JobPool::Stage stages_[4 * (ContactGroup::kMostStages + 1)];  // of a piece
-
-  // in the step's scratch memory
-  ContactShared shared_;
-  WideMass* masses_ = nullptr;       // those of shared_
-  std::uint8_t* turned_ = nullptr;   // by solver index: contacts do not see its inertia now
-  std::uint8_t* jointed_ = nullptr;  // by solver index: on a joint
-  std::uint8_t* struck_ = nullptr;  // by solver index: the last wave of strikes in the substep; where something bounces
-  Real* before_ = nullptr;          // velocities before the contacts of the substep, 6 per solver body
-  Real* contact_change_ = nullptr;  // velocity change by contacts in the last substep, 6 per solver body
-  Real* kept_ = nullptr;            // of bodies in pieces: velocities at the end of the last substep, 6 per solver body
-  Real* push_ = nullptr;            // and what changed them since, per piece
-  Vec3d* kept_momentum_ = nullptr;  // of uneven jointed bodies: angular momenta likewise, N m s
-  std::size_t body_count_ = 0, contact_count_ = 0;  // when the step was prepared
-};
 
 // The first numbers of a solver body: velocity and angular velocity.
 Real* velocities_of(SolverBody& s) { return reinterpret_cast<Real*>(&s); }
@@ -296,7 +146,8 @@ void SoftStep::list_driven(const SolverInput& in, StepContext& c) {
   std::size_t count = 0;
   for (std::uint32_t i = 1; i < body_count_; ++i) {
     const SolverBody& s = in.solver_bodies->state[i];
-    if (!movable(in.solver_bodies->mass[i]) && !(s.velocity.isZero(0) && s.angular_velocity.isZero(0))) list[count++] = i;
+    if (!movable(in.solver_bodies->mass[i]) && !(s.velocity.isZero(0) && s.angular_velocity.isZero(0)))
+      list[count++] = i;
   }
   driven_ = {list, count};
 }
@@ -383,8 +234,7 @@ Vec3 drift_delta_rotation(JointedBody& j, const SolverBody& s, Real h) {
 // Displacements and poses of listed bodies.
 void SoftStep::move(const Group& g, std::uint32_t first, std::uint32_t last, Real h, const SolverInput& in) const {
   SolverBody* state = in.solver_bodies->state.data();
-  const std::span<const BodySlide> slides =
-      g.joints.empty() ? std::span<const BodySlide>() : g.soft_joints->slides();
+  const std::span<const BodySlide> slides = g.joints.empty() ? std::span<const BodySlide>() : g.soft_joints->slides();
   if (!slides.empty()) {
     each_of(g, first, last, [&](std::uint32_t i) { move_sliding(i, h, slides, in); });
   } else if (split_) {

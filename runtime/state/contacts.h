@@ -97,7 +97,8 @@ struct Contacts {
   Array<Contact> slots;
   Array<std::uint32_t> order;  // slots of contacts that do not rest, sorted by (collider_a, collider_b, sub)
   Array<std::uint32_t> free_list;
-  Array<ColliderPair> arrivals;  // into contact, of this step, in `order`, between narrow and contact_list: owners wake those asleep
+  Array<ColliderPair>
+      arrivals;  // into contact, of this step, in `order`, between narrow and contact_list: owners wake those asleep
   Array<std::uint32_t>
       active;  // written by contact_list each step, in `order`: touching, no sensor, one side awake and movable
   Array<ColliderPair> active_pairs;  // of those: a slot lies far from others in memory
