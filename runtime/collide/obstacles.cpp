@@ -80,7 +80,7 @@ OwnerImpact Collide::impact(std::uint32_t a, const OwnerMotion& motion_a, std::u
   const Sweep sweep_a{c.shape[a], c.local[a], motion_a.from, motion_a.shift, motion_a.turn, s.seen[a].extent};
   const Sweep sweep_b{c.shape[b], c.local[b], motion_b.from, motion_b.shift, motion_b.turn, s.seen[b].extent};
   const Impact hit = time_of_impact(sweep_a, sweep_b, begin, end, kStopShort * margin);
-  return {hit.time, hit.normal, hit.point};
+  return {hit.time, hit.normal, hit.point, hit.inside};
 }
 
 }  // namespace feder

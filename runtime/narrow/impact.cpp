@@ -110,11 +110,12 @@ struct Pair {
 
 // When the core meets b, given how far apart they are. Of what overlaps at the start, a ball inside the core.
 template <class Make>
-bool core_meets(Pair& p, const Mover& b, Make&& make, Real& t, Apart& last) {
+bool core_meets(Pair& p, const Mover& b, Make&& make, Real& t, Apart& last, bool& inside) {
   const Mover core = p.core();
   t = p.begin;
   const Real near = p.skin() * kArrived;
   Advance result = advance(core, b, make(core), near, p.hit.time, t, last);
+  inside = result == Advance::hit && t == p.begin;
   for (const Real scale : kBallScales) {
     if (result == Advance::miss || (result == Advance::hit && t > p.begin)) break;
     Sweep rigid = p.a;
@@ -130,7 +131,8 @@ template <class Make>
 void meet(Pair& p, const Mover& b, Make&& make) {
   Real t = 0;
   Apart at{};
-  if (!core_meets(p, b, make, t, at)) return;
+  bool inside = false;
+  if (!core_meets(p, b, make, t, at, inside)) return;
   // the shape itself, which is there earlier
   const Mover whole{p.a, Convex(*p.a.shape), reach_of(p.a)};
   Real stop = p.begin;
@@ -139,7 +141,7 @@ void meet(Pair& p, const Mover& b, Make&& make) {
     t = stop;
     at = near;
   }
-  p.hit = {t, at.normal, at.point};
+  p.hit = {t, at.normal, at.point, inside};
   p.found = true;
 }
 

@@ -29,6 +29,7 @@ struct Impact {
   Real time = 2;               // fraction of the step; above 1: none
   Vec3 normal = Vec3::Zero();  // unit, world, from a to b
   Vec3 point = Vec3::Zero();   // on b, world
+  bool inside = false;         // b was in a's core at the beginning, and is near the middle of a now
 };
 
 // When convex `a`, on its way from `begin` to `end`, has to stop lest its core goes through b: where the shapes

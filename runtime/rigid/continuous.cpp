@@ -69,7 +69,7 @@ void Rigid::Impl::sweep_collider(std::uint32_t i, std::uint32_t k, const OwnerMo
     const OwnerImpact hit = collide.impact(k, motion, other, motion_in_step(j), begin, std::min(end, stop.time));
     if (!(hit.time < stop.time)) continue;
     stop.time = hit.time, stop.other = j;
-    stop.normal = hit.normal, stop.point = hit.point;
+    stop.normal = hit.normal, stop.point = hit.point, stop.inside = hit.inside;
   }
 }
 
@@ -107,6 +107,11 @@ void Rigid::Impl::apply_stop(std::uint32_t p) {
   s.delta_rotation = stop.time * motion.turn;
   s.rotation = pose.rotation;
   if (stop.other == kNone) return;
+  // a spin of many turns a step is more than contacts see: scenery takes what they should have
+  if (const std::uint32_t o = stop.other; stop.inside && bodies.type[o] != BodyType::dynamic) {
+    const Vec3 scenery = bodies.velocity[o] + cross(bodies.angular_velocity[o], stop.point - bodies.position[o]);
+    s.velocity -= std::max(dot(s.velocity - scenery, stop.normal), Real(0)) * stop.normal;
+  }
   // what pushes on takes it along
   const OwnerMotion& other = stop.other_motion;
   const Vec3 rest =

@@ -56,6 +56,7 @@ struct FastStop {
   Real time = 2;                // fraction of the step; above 1: nowhere
   Real group_time = 2;          // the earliest of what joints connect; of the first of these bodies
   std::uint32_t other = kNone;  // the body that it meets
+  bool inside = false;          // it has reached the middle, past all that contacts could do
   std::size_t obstacles = 0;    // looked at
   Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
   OwnerMotion other_motion;

@@ -17,13 +17,12 @@
 namespace feder {
 namespace {
 
-
 // A contact bounces when it closes faster than gravity alone would make it in so many substeps, and bounce_speed.
 constexpr Real kRestSubsteps = 4;
 // turns of contacts and joints, and rounds of contacts in each; what is left then is left to the soft rows
 constexpr int kImpactTurns = 30, kImpactRounds = 16;
 constexpr int kEaseTurns = 10, kEaseRounds = 4;  // likewise, for what the warm start throws
-constexpr int kStrikeWaves = 64;  // in a substep; what has not been passed on then is left to the soft rows
+constexpr int kStrikeWaves = 64;    // in a substep; what has not been passed on then is left to the soft rows
 constexpr Real kTreeRatio = 2'000;  // by experiment, with pieces: beyond, some chains gain energy
 // Every so many substeps, contacts between bodies relax twice: what sways in large piles comes to rest in a third of
 // the time.

@@ -112,6 +112,7 @@ struct OwnerImpact {
   Real time = 2;               // fraction of the step; above 1: none
   Vec3 normal = Vec3::Zero();  // unit, world, from a to b
   Vec3 point = Vec3::Zero();   // on b, world
+  bool inside = false;         // b was in a's core at the beginning, and is near the middle of a now
 };
 
 // The core of a convex shape is so far inside it, of its least half width.
