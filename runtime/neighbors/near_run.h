@@ -23,16 +23,6 @@ typedef WideReal Row4 __attribute__((vector_size(4 * sizeof(WideReal))));
   return __builtin_shufflevector(x, y, 0, 1, 2, 3, 4, 5, 6, 7);
 }
 
-[[gnu::always_inline]] inline unsigned bits_of(LaneMask m) {
-#if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
-  return static_cast<unsigned>(_mm256_movemask_ps(reinterpret_cast<__m256>(m)));
-#else
-  unsigned bits = 0;
-  for (int l = 0; l < kLanes; ++l) bits |= (m[l] ? 1u : 0u) << l;
-  return bits;
-#endif
-}
-
 #if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
 // For each of the 256 masks, the indices of its set bits: what comes through is stored without a branch.
 struct alignas(32) Compress {
