@@ -18,12 +18,14 @@ constexpr Real kFlush = Real(1) / 20;       // of the margin: steps and sinking 
 constexpr Real kOff = Real(1) / 2;          // of the margin: how far off the point the surface is looked at
 constexpr Real kDeep = Real(1) / 8;         // of the margin: what overlaps by more is no grazing of a seam
 constexpr Real kParallel = 1 - Real(5e-6);  // cosine: normals that are the same
+constexpr Real kAhead = 1 - Real(5e-7);     // cosine, likewise where B is not reached yet, and C is closer
 constexpr Real kFaceCosine = 1 - Real(1e-6);
 
 struct Touch {
   Vec3 on_b;    // the point, on B
   Vec3 normal;  // from B to the body
   Real margin;
+  Real parallel;  // cosine
 };
 
 Real distance_to(const Colliders& c, std::uint32_t k, const Vec3& p, Real limit, Vec3& normal) {
@@ -39,7 +41,7 @@ bool is_ghost(const Colliders& c, std::uint32_t b, std::uint32_t other, const To
   const Real far = distance_to(c, other, t.on_b + off * t.normal, limit, n);
   if (!(far < limit)) return false;
   const Real along = dot(t.normal, n);
-  if (!(along < kParallel) || !(along > -Real(0.1))) return false;
+  if (!(along < t.parallel) || !(along > -Real(0.1))) return false;
   // over a face, and that passes through the point
   const Real height = far - off * along;
   if (!(height < flush && height > -t.margin)) return false;
@@ -63,6 +65,12 @@ static bool move_together(const Colliders& c, std::uint32_t x, std::uint32_t y) 
   return c.object[x] == c.object[y] || (!c.awake[x] && !c.awake[y]);
 }
 
+static Real closest_of(const Contact& contact) {
+  Real closest = kInfinity;
+  for (int k = 0; k < contact.point_count; ++k) closest = std::min(closest, contact.points[k].separation);
+  return closest;
+}
+
 // Bit per point of the entry that is a ghost beside some other contact of the body, all in seam_entries.
 std::uint32_t Collide::Impl::ghosts_of(const ContactEntry& e, std::span<const SeamEntry> group) const {
   const Colliders& c = *colliders;
@@ -76,12 +84,16 @@ std::uint32_t Collide::Impl::ghosts_of(const ContactEntry& e, std::span<const Se
     const Vec3& m = contacts->slots[near.slot].normal;
     const Vec3 its = body == near.a ? Vec3(-m) : m;
     const Vec3 normal = body == e.a ? Vec3(-contact.normal) : contact.normal;
-    if (other == b || dot(its, normal) > kParallel || !move_together(c, b, other)) continue;
+    const Real along = dot(its, normal);
+    if (other == b || along > kAhead || !move_together(c, b, other)) continue;
+    const Real closest = closest_of(contacts->slots[near.slot]);
     for (int k = 0; k < contact.point_count; ++k) {
       const ContactPoint& p = contact.points[k];
       if (p.separation < -kDeep * memory[e.slot].margin) continue;
+      const Real parallel = p.separation > 0 && p.separation > closest ? kAhead : kParallel;
+      if (along > parallel) continue;
       const Vec3 at = c.center[e.a] + p.arm_a - normal * (p.separation / 2);
-      if (is_ghost(c, b, other, {at, normal, memory[e.slot].margin})) ghosts |= 1u << k;
+      if (is_ghost(c, b, other, {at, normal, memory[e.slot].margin, parallel})) ghosts |= 1u << k;
     }
   }
   return ghosts;

@@ -29,7 +29,8 @@ constexpr Real kEarth = Real(9.81);         // m/s^2: what swings in weightlessn
 constexpr Real kSnaps = 5;                  // weights of tension: more is a snap, a swing has three
 constexpr Real kSlack = Real(0.1);          // of the largest tension of the island
 constexpr Real kLeastLink = Real(1e-6);     // m
-constexpr int kCalmSteps = 30;              // a lower level must do for so long
+constexpr int kCalmSteps = 30;              // a lower level must do for so long, and hold
+constexpr Real kFalls = 1.5;                // times its loads, without more than that level holds
 constexpr int kHotSteps = 4;                // where weights ask for none, loads must do so for so long: impacts do not
 constexpr std::uint64_t kMostExtra = 2048;  // pieces times contacts of a world beyond its substeps
 constexpr int kTiers = 32;                  // of bodies on each other
@@ -322,11 +323,12 @@ void Rigid::Impl::share_out(IslandLoad* by_root, StepContext& c) {
       continue;
     }
     island.wanted = std::max(by_weight, before);
+    const int by_load = level_for(kFalls * std::max(island.by_weight, island.by_impulse));
+    const bool calm = std::max({by_load, by_weight, by_impulse}) < before;
     if (by_impulse > island.wanted)
       island.trend = static_cast<std::int8_t>(std::max<int>(island.trend, 0) + 1);
     else
-      island.trend =
-          static_cast<std::int8_t>(std::max(by_weight, by_impulse) < before ? std::min<int>(island.trend, 0) - 1 : 0);
+      island.trend = static_cast<std::int8_t>(calm ? std::min<int>(island.trend, 0) - 1 : 0);
     if (island.trend > (by_weight > 0 ? 0 : kHotSteps)) island.trend = 0, ++island.wanted;
     if (island.trend < -kCalmSteps) island.trend = 0, --island.wanted;
     if (island.wanted > 0) order[count++] = i;

@@ -37,8 +37,10 @@ ContactPass SoftStep::pass(const Group& g, const Piece& piece, const SolverInput
   p.masses = shared_.masses;
   p.h = piece.h;
   p.inv_h = 1 / piece.h;
-  // as stiff as the substep rate allows; twice that against immovable bodies
-  const Real hertz = std::min(contact_hertz_ * static_cast<Real>(g.pieces()), contact_cap_ / piece.h);
+  // as stiff as the substep rate allows, less in pieces: a light body between heavy ones sways with growing amplitude
+  // where rows are as stiff as between equal masses; twice that against immovable bodies
+  const Real whole = std::min(contact_hertz_ * static_cast<Real>(g.pieces()), contact_cap_ / piece.h);
+  const Real hertz = g.level > 0 ? kPieceHertz * whole : whole;
   p.soft = soft_factors(hertz, contact_damping_, piece.h);
   p.soft_fixed = soft_factors(2 * hertz, contact_damping_ / 2, piece.h);
   p.push_speed = push_speed_;

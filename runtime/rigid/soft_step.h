@@ -27,6 +27,7 @@ constexpr Real kTreeRatio = 2'000;  // by experiment, with pieces: beyond, some 
 // Every so many substeps, contacts between bodies relax twice: what sways in large piles comes to rest in a third of
 // the time. Not in pieces: 1000 times its weight on a box would sway.
 constexpr std::uint32_t kRelaxAgain = 4;
+constexpr Real kPieceHertz = Real(0.8);  // of the frequency of a contact, in pieces of a substep; at .9 some still sway
 // batches and bodies per job
 constexpr JobGrain kFillGrain{8, 5'000}, kBodyGrain{512, 3'000};
 
@@ -42,9 +43,9 @@ const ContactKernels& pick_kernels([[maybe_unused]] bool wide) {
 class SoftStep final : public RigidSolver {
  public:
   SoftStep(Arena& arena, const Params& p)
-      : kernels_(&pick_kernels(wide_kernels(p))), contact_hertz_(p.real({"contact_hertz", "Hz", {0.1, 1e5}}, 72)),
+      : kernels_(&pick_kernels(wide_kernels(p))), contact_hertz_(p.real({"contact_hertz", "Hz", {0.1, 1e5}}, 74)),
         contact_damping_(p.real({"contact_damping", "", {0, 1e3}}, 16)),
-        contact_cap_(p.real({"contact_cap", "", kUnitRange}, 0.3)),
+        contact_cap_(p.real({"contact_cap", "", kUnitRange}, 0.31)),
         push_speed_(p.real({"push_speed", "m/s", {0, 1e6}}, 3)),
         bounce_speed_(p.real({"bounce_speed", "m/s", {0, 1e6}}, 0.02)),
         bounce_rounds_(p.integer({"bounce_rounds", "", {1, 100}}, 4)),

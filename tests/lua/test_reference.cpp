@@ -89,7 +89,7 @@ TEST_CASE("rows know the defaults, ranges and names that their readers use", "[l
   CHECK(by_name.at("fluid.kernel").choices.find("cubic") != std::string::npos);
   CHECK(by_name.at("fluid.neighbors").fallback == "\"grid\"");
   CHECK(by_name.at("rigid.solver").choices.find("soft_step") != std::string::npos);
-  CHECK(by_name.at("soft_step.contact_hertz").fallback == "72");
+  CHECK(by_name.at("soft_step.contact_hertz").fallback == "74");
   CHECK(by_name.at("rk45.max_steps").row.range.whole() == "a whole number from 1 to 100000000");
 }
 

@@ -70,6 +70,26 @@ TEST_CASE("heavy bodies on light ones sink by less than a twentieth", "[rigid][o
   CHECK(t.warnings == 0);
 }
 
+// The light box is a pendulum upside down between two stiff springs; nothing is allowed to sleep.
+TEST_CASE("a heavy box on a light one comes to rest and stays there", "[rigid][overload]") {
+  const double mass = GENERATE(100, 300, 700, 1000, 1200, 1500, 3000, 8000);
+  CAPTURE(mass);
+  Tower t;
+  t.s.desc.sleeping = false;
+  t.build({1, mass});
+  t.run(10);
+  const ObjectId top = t.boxes.back();
+  const Vec3 at = t.s.position(top);
+  double fastest = 0;
+  for (int k = 0; k < 1200; ++k) {
+    t.s.world().step();
+    fastest = std::max(fastest, double(length(t.s.velocity(top))));
+  }
+  CHECK(fastest < 5e-4);
+  CHECK(length(t.s.position(top) - at) < Real(2e-5));
+  CHECK(t.warnings == 0);
+}
+
 TEST_CASE("plates, heavy and light in turn, stand", "[rigid][overload]") {
   Tower t;
   t.height = 0.1;
