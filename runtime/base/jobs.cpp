@@ -1,11 +1,13 @@
 // Staged loops on threads that may come late. A stage is published as (epoch, what to run); a worker takes a block by
 // compare-exchange on a word that holds the epoch and the number of blocks left of a share, so that a thread that slept
 // through the end of a stage fails. The last block of a stage opens the next; only taken blocks are waited for.
-// Workers spin for some microseconds, then sleep: on a busy machine spinning would take the time from the thread that
-// steps. They do not yield: a yield may cost a whole slice (Linux 6.18), and a sleeper is woken sooner.
+// Workers spin until the next loop of a step has had time to begin, then sleep: on a busy machine spinning would take
+// the time from the thread that steps, and more threads than cores hardly spin. They do not yield: a yield may cost a
+// whole slice (Linux 6.18), and a sleeper is woken sooner.
 #include "base/jobs.h"
 
 #include <algorithm>
+#include <chrono>
 
 #include "feder/error.h"
 
@@ -16,8 +18,11 @@
 namespace feder {
 namespace {
 
-constexpr int kWorkerSpins = 400;   // some 10 us
+constexpr int kShortSpins = 400;    // some 10 us, of a host's threads, which have other work, and of crowded ones
 constexpr int kCallerSpins = 1000;  // some 25 us: the blocks it waits for are being run
+// What a step does between two loops is mostly shorter; to sleep and to be woken takes some 50 us on a virtual machine.
+constexpr std::chrono::microseconds kPatience{250};
+constexpr int kSpinsPerLook = 64;  // at the clock
 
 void relax() {
 #if defined(__x86_64__) || defined(__i386__)
@@ -36,6 +41,14 @@ bool spin(int spins, Ready&& ready) {
     relax();
   }
   return ready();
+}
+
+template <class Ready>
+bool spin_patiently(Ready&& ready) {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (std::chrono::steady_clock::now() < end)
+    if (spin(kSpinsPerLook, ready)) return true;
+  return false;
 }
 
 void run_serial(std::span<const JobPool::Stage> stages) {
@@ -172,11 +185,12 @@ void JobPool::sleep_caller(std::uint64_t epoch) {
 }
 
 void JobPool::work(int worker) {
+  const bool crowded = static_cast<unsigned>(threads_) > std::thread::hardware_concurrency();
   for (;;) {
     const std::uint64_t epoch = epoch_.load();
     if (take_blocks(epoch, worker)) continue;
     const auto news = [&] { return epoch_.load() != epoch || stop_.load(); };
-    if (!spin(kWorkerSpins, news)) {
+    if (!(crowded ? spin(kShortSpins, news) : spin_patiently(news))) {
       idle_.fetch_add(1);
       if (!news() || !withdraw()) calls_.wait();
     }
@@ -208,7 +222,7 @@ bool JobPool::help() {
       any = true;
       continue;
     }
-    if (!spin(kWorkerSpins, [&] { return epoch_.load(std::memory_order_acquire) != epoch; })) break;
+    if (!spin(kShortSpins, [&] { return epoch_.load(std::memory_order_acquire) != epoch; })) break;
   }
   idle_.fetch_add(1);
   helping_.fetch_and(~(std::uint64_t(1) << worker));
