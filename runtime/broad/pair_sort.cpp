@@ -7,7 +7,7 @@
 
 namespace feder {
 
-void PairSort::sort(Array<IndexPair>& pairs, std::uint32_t count) {
+void PairSort::sort(Array<IndexPair>& pairs, std::uint32_t count, JobPool& jobs) {
   // the counting sort walks all indices once: not worth it for a handful of pairs
   if (pairs.size() < count / 8 + 32) {
     std::sort(pairs.begin(), pairs.end());
@@ -19,12 +19,16 @@ void PairSort::sort(Array<IndexPair>& pairs, std::uint32_t count) {
   spare_.resize(pairs.size());
   for (const IndexPair& p : pairs) spare_[start_[p.a]++] = p;
   // start_[a] is now the end of run a
-  std::uint32_t first = 0;
-  for (std::uint32_t a = 0; a < count; ++a) {
-    if (start_[a] - first > 1) std::sort(spare_.begin() + first, spare_.begin() + start_[a]);
-    first = start_[a];
-  }
-  std::copy(spare_.begin(), spare_.end(), pairs.begin());
+  constexpr JobGrain kGrain{256, 10'000};  // runs
+  jobs.for_blocks(count, kGrain, [&](std::uint32_t from, std::uint32_t last, int) {
+    std::uint32_t first = from > 0 ? start_[from - 1] : 0;
+    const std::uint32_t begin = first;
+    for (std::uint32_t a = from; a < last; ++a) {
+      if (start_[a] - first > 1) std::sort(spare_.begin() + first, spare_.begin() + start_[a]);
+      first = start_[a];
+    }
+    std::copy(spare_.begin() + begin, spare_.begin() + first, pairs.begin() + begin);
+  });
 }
 
 }  // namespace feder

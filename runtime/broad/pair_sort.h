@@ -1,4 +1,4 @@
-// Sorting of index pairs in linear time: a counting sort by `a`, then each short run by `b`.
+// Sorting of index pairs in linear time: a counting sort by `a`, then each short run by `b`, in parallel.
 #pragma once
 #include "broad/broad_phase.h"
 
@@ -9,7 +9,7 @@ class PairSort {
   explicit PairSort(Arena& arena) : start_(&arena), spare_(&arena) {}
 
   // Sorts `pairs`; members are below `count`. Allocates only when `count` or the pairs outnumber every earlier call.
-  void sort(Array<IndexPair>& pairs, std::uint32_t count);
+  void sort(Array<IndexPair>& pairs, std::uint32_t count, JobPool& jobs);
 
  private:
   Array<std::uint32_t> start_;

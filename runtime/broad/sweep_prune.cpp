@@ -19,13 +19,13 @@ class SweepPrune final : public BroadPhase {
   explicit SweepPrune(Arena& arena) : boxes_(&arena), order_(&arena), listed_(&arena), sorter_(arena) {}
 
   void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, std::span<const std::uint32_t>,
-                  Array<IndexPair>& pairs, JobPool&) override {
+                  Array<IndexPair>& pairs, JobPool& jobs) override {
     boxes_.assign(boxes.begin(), boxes.end());
     enlist(motion);
     choose_axis();
     sort_order();
     sweep(motion, pairs);
-    sorter_.sort(pairs, static_cast<std::uint32_t>(boxes.size()));
+    sorter_.sort(pairs, static_cast<std::uint32_t>(boxes.size()), jobs);
   }
 
   void query(const Aabb& box, Array<std::uint32_t>& found) const override {

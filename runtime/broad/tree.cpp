@@ -47,7 +47,7 @@ class Tree final : public BroadPhase {
     if (!transfers_.empty()) merge_candidates(jobs);
     boxes_.resize(boxes.size());
     for (const std::uint32_t i : touched) boxes_[i] = boxes[i];
-    pair_side(boxes, motion, touched);
+    pair_side(boxes, motion, touched, jobs);
     write_pairs(boxes, pairs, jobs);
   }
 
@@ -191,7 +191,7 @@ class Tree final : public BroadPhase {
       for (std::uint32_t n = first; n < last; ++n) query_box(changed_[n], found);
     });
     for (const Array<IndexPair>& found : found_by_) found_.insert(found_.end(), found.begin(), found.end());
-    sorter_.sort(found_, static_cast<std::uint32_t>(leaves_.size()));
+    sorter_.sort(found_, static_cast<std::uint32_t>(leaves_.size()), jobs);
   }
 
   void query_box(std::uint32_t i, Array<IndexPair>& found) const {
@@ -249,8 +249,8 @@ class Tree final : public BroadPhase {
   }
 
   // A side box that lies still meets those that move, which are all touched.
-  void pair_side(std::span<const Aabb> boxes, std::span<const BoxMotion> motion,
-                 std::span<const std::uint32_t> touched) {
+  void pair_side(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, std::span<const std::uint32_t> touched,
+                 JobPool& jobs) {
     side_pairs_.clear();
     for (const std::uint32_t i : side_) {
       const bool still = motion[i] == BoxMotion::still;
@@ -264,7 +264,7 @@ class Tree final : public BroadPhase {
       else
         for (std::uint32_t j = 0; j < boxes.size(); ++j) meet(j);
     }
-    sorter_.sort(side_pairs_, static_cast<std::uint32_t>(leaves_.size()));
+    sorter_.sort(side_pairs_, static_cast<std::uint32_t>(leaves_.size()), jobs);
   }
 
   // The candidates that really overlap, merged with the pairs of the side list.

@@ -83,8 +83,8 @@ struct SeenCollider {
   ObjectId object;
   std::uint32_t bits = 0;
   Real friction_static = 0, friction_dynamic = 0, restitution = 0, rolling_friction = 0;
-  Real extent = 0;  // of the shape from the owner's centre of mass, m; infinite for planes
-  Real depth = 0;   // of its core, m; infinite where it is not convex
+  Real extent = 0;      // of the shape from the owner's centre of mass, m; infinite for planes
+  Real half_width = 0;  // least_half_width of the shape, m; infinite where it is not convex
 };
 enum SeenBits : std::uint32_t {
   kChanged = 1,         // pairs are tested again
@@ -235,8 +235,6 @@ struct Collide::Impl {
   Array<SurfaceNumbers> material_numbers{&arena};             // number - 1; may be shorter
   std::vector<MaterialPair> material_pairs;                   // sorted, a <= b
 };
-
-Real core_depth_of(const Shape& shape);
 
 // Object pairs of exclusions are unordered.
 inline std::pair<ObjectId, ObjectId> ordered(ObjectId a, ObjectId b) {

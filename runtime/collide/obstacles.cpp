@@ -12,17 +12,15 @@ static constexpr Real kStopShort = Real(1) / 4;
 // Two moving bodies may come nearer by so many depths of the thinner one's core before what comes is looked for.
 static constexpr Real kFreeDepths = 2;
 
-Real core_depth_of(const Shape& shape) {
+Real Collide::core_depth(const Shape& shape) const {
   return shape.convex() ? (1 - kCoreScale) * least_half_width(shape) : kInfinity;
 }
-
-Real Collide::core_depth(const Shape& shape) const { return core_depth_of(shape); }
 
 // Do two moving bodies come nearer in a step by more than leaves them in each other by a quarter of the thinner one?
 bool Collide::Impl::may_pass(std::uint32_t a, std::uint32_t b, Real dt) const {
   const Colliders& c = *colliders;
   const Vec3 nearer = dt * (c.velocity[b] - c.velocity[a]);
-  const Real free = kFreeDepths * std::min(seen[a].depth, seen[b].depth);
+  const Real free = kFreeDepths * (1 - kCoreScale) * std::min(seen[a].half_width, seen[b].half_width);
   if (!(dot(nearer, nearer) > free * free)) return false;
   const auto moves = [&](std::uint32_t i) {
     return c.owner[i] == ColliderOwner::body && c.motion[i] != ColliderMotion::fixed && c.shape[i]->convex();
@@ -37,7 +35,8 @@ int Collide::Impl::look_ahead(std::uint32_t a, std::uint32_t b, Real margin, Rea
   const Colliders& c = *colliders;
   const auto sweep = [&](std::uint32_t i) {
     const Pose owner{c.center[i], c.pose[i].rotation * conjugate(c.local[i].rotation)};
-    return Sweep{c.shape[i], c.local[i], owner, dt * c.velocity[i], dt * c.angular_velocity[i], seen[i].extent};
+    return Sweep{c.shape[i],     c.local[i],        owner, dt * c.velocity[i], dt * c.angular_velocity[i],
+                 seen[i].extent, seen[i].half_width};
   };
   const Sweep sweep_a = sweep(a), sweep_b = sweep(b);
   const Real time = time_of_impact(sweep_a, sweep_b, 0, 1, margin / 2).time;
@@ -77,8 +76,10 @@ OwnerImpact Collide::impact(std::uint32_t a, const OwnerMotion& motion_a, std::u
   if (!c.shape[a]->convex()) return {};
   const Real extent = std::min(s.seen[a].extent, s.seen[b].extent);
   const Real margin = std::min(kSpeculative, kSpeculativeShare * extent);
-  const Sweep sweep_a{c.shape[a], c.local[a], motion_a.from, motion_a.shift, motion_a.turn, s.seen[a].extent};
-  const Sweep sweep_b{c.shape[b], c.local[b], motion_b.from, motion_b.shift, motion_b.turn, s.seen[b].extent};
+  const Sweep sweep_a{c.shape[a],    c.local[a],       motion_a.from,       motion_a.shift,
+                      motion_a.turn, s.seen[a].extent, s.seen[a].half_width};
+  const Sweep sweep_b{c.shape[b],    c.local[b],       motion_b.from,       motion_b.shift,
+                      motion_b.turn, s.seen[b].extent, s.seen[b].half_width};
   const Impact hit = time_of_impact(sweep_a, sweep_b, begin, end, kStopShort * margin);
   return {hit.time, hit.normal, hit.point, hit.inside};
 }

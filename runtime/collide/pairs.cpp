@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "collide/impl.h"
+#include "geom/width.h"
 
 namespace feder {
 
@@ -86,7 +87,7 @@ void Collide::Impl::compare_collider(std::uint32_t i) {
   if (s.bits & kChanged) {
     last_filter = filter;
     s.extent = c.shape[i]->extent(to_local(c.pose[i], c.center[i]));
-    s.depth = core_depth_of(*c.shape[i]);
+    s.half_width = c.shape[i]->convex() ? least_half_width(*c.shape[i]) : kInfinity;
   }
   if (s.bits & kSurfaceChanged) last_surface = surface;
 }

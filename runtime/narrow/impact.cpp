@@ -93,14 +93,10 @@ struct Pair {
   Real begin, target;
   Impact hit;                  // earliest so far; time = end of the search
   Vec3 center = Vec3::Zero();  // of the core
-  Real half_width = -1;        // of the shape; negative: not asked for yet
   bool found = false;
 
   // how far the core is inside the shape
-  Real skin() {
-    if (half_width < 0) half_width = least_half_width(*a.shape);
-    return half_width * (1 - kCoreScale);
-  }
+  Real skin() const { return a.half_width * (1 - kCoreScale); }
   Mover core() const {
     Mover m{a, Convex(*a.shape), reach_of(a)};
     m.convex.scale = kCoreScale, m.convex.center = center, m.convex.radius *= kCoreScale;
@@ -121,7 +117,7 @@ bool core_meets(Pair& p, const Mover& b, Make&& make, Real& t, Apart& last, bool
     Sweep rigid = p.a;
     rigid.turn = Vec3::Zero();
     Mover ball{rigid, Convex(&p.center, 1), 0};
-    ball.convex.radius = p.half_width * scale;
+    ball.convex.radius = p.a.half_width * scale;
     result = advance(ball, b, make(ball), ball.convex.radius * kArrived, p.hit.time, t, last);
   }
   return result == Advance::hit && t > p.begin && !last.normal.isZero(0);

@@ -13,6 +13,7 @@ struct Sweep {
   Pose from;   // of that frame at the start of the step
   Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();
   Real extent = kInfinity;  // of the shape from that centre of mass, m
+  Real half_width = 0;      // least_half_width of the shape; asked of the first of two
 
   Pose owner_at(Real t) const {  // t: fraction of the step
     const bool turns = !turn.isZero(0);
