@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kShortSpins = 400;    // some 10 us, of a host's threads, which have other work, and of crowded ones
 constexpr int kCallerSpins = 1000;  // some 25 us: the blocks it waits for are being run
-// What a step does between two loops is mostly shorter; to sleep and to be woken takes some 50 us on a virtual machine.
+// What a step does between two loops is mostly shorter, and to be woken costs more than most loops save.
 constexpr std::chrono::microseconds kPatience{250};
 constexpr int kSpinsPerLook = 64;  // at the clock
 

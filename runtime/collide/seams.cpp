@@ -18,7 +18,8 @@ constexpr Real kFlush = Real(1) / 20;       // of the margin: steps and sinking 
 constexpr Real kOff = Real(1) / 2;          // of the margin: how far off the point the surface is looked at
 constexpr Real kDeep = Real(1) / 8;         // of the margin: what overlaps by more is no grazing of a seam
 constexpr Real kParallel = 1 - Real(5e-6);  // cosine: normals that are the same
-constexpr Real kAhead = 1 - Real(5e-7);     // cosine, likewise where B is not reached yet, and C is closer
+// cosine, likewise where B is not reached yet and C is closer, so that no two give each other up
+constexpr Real kAhead = 1 - Real(5e-7);
 constexpr Real kFaceCosine = 1 - Real(1e-6);
 
 struct Touch {
@@ -65,6 +66,7 @@ static bool move_together(const Colliders& c, std::uint32_t x, std::uint32_t y) 
   return c.object[x] == c.object[y] || (!c.awake[x] && !c.awake[y]);
 }
 
+// Of the gaps at its points.
 static Real closest_of(const Contact& contact) {
   Real closest = kInfinity;
   for (int k = 0; k < contact.point_count; ++k) closest = std::min(closest, contact.points[k].separation);
