@@ -20,6 +20,8 @@ inline std::string read_file(const std::filesystem::path& path) {
   return text.str();
 }
 
+inline bool says(const std::string& text, const std::string& what) { return text.find(what) != std::string::npos; }
+
 struct Outcome {
   int status = -1;
   std::string out, err;

@@ -7,12 +7,12 @@
 #include "support/catch.h"
 
 using namespace feder::test;
-using nlohmann::json;
+using Json = nlohmann::json;
 
 namespace {
 
-const json& pages() {
-  static const json all = Program().run("doc --json").json();
+const Json& pages() {
+  static const Json all = Program().run("doc --json").json();
   return all;
 }
 
@@ -42,13 +42,13 @@ std::size_t arity(std::string signature) {
 TEST_CASE("every page has a title of its own and says what it is, and so does every row", "[cli][doc]") {
   CHECK(pages().size() > 200);
   std::set<std::string> titles;
-  for (const json& page : pages()) {
+  for (const Json& page : pages()) {
     const std::string title = page["title"];
     CAPTURE(title);
     CHECK(titles.insert(title).second);
     CHECK(page["text"] != "");
     CHECK(page["signature"] != "");
-    for (const json& row : page["rows"]) {
+    for (const Json& row : page["rows"]) {
       CAPTURE(row["name"].get<std::string>());
       CHECK(row["text"] != "");
       CHECK((page["owner"] == "command" || row["type"] != ""));
@@ -79,7 +79,7 @@ TEST_CASE("every example of the reference runs", "[cli][doc]") {
   const std::string opening = text.substr(0, text.find("\n--: "));
   const Program p;
   int count = 0;
-  for (const json& page : pages()) {
+  for (const Json& page : pages()) {
     const std::string example = page["example"];
     if (example.empty()) continue;
     const bool scene = example.starts_with("return");
@@ -110,7 +110,7 @@ TEST_CASE("stubs have every function with its arguments and a type for each of t
   std::map<std::string, std::string> arguments;
   const std::regex expression("\nfunction ([a-z_]+[.:][a-z_]+)\\(([^)]*)\\) end");
   for (std::sregex_iterator m(stubs.begin(), stubs.end(), expression), end; m != end; ++m) arguments[(*m)[1]] = (*m)[2];
-  for (const json& page : pages()) {
+  for (const Json& page : pages()) {
     if (page["owner"] == "command" || page["owner"] == "options" || page["owner"] == "yaml" ||
         (page["owner"] == "event" && page["title"] != "event:copy"))
       continue;
@@ -130,9 +130,9 @@ TEST_CASE("man page and completion of shells have every option of every command"
   const Program p;
   const std::string man = p.run("doc --man").out, bash = p.run("doc --completion bash").out,
                     zsh = p.run("doc --completion zsh").out, fish = p.run("doc --completion fish").out;
-  for (const json& page : pages()) {
+  for (const Json& page : pages()) {
     if (page["owner"] != "command") continue;
-    for (const json& row : page["rows"]) {
+    for (const Json& row : page["rows"]) {
       const std::string name = row["name"];
       const std::size_t at = name.find("--");
       if (at == std::string::npos) continue;

@@ -14,8 +14,6 @@ namespace {
 
 const char* const kEndless = "while true do end";
 
-bool says(const std::string& text, const std::string& what) { return text.find(what) != std::string::npos; }
-
 // A scene whose update or study never ends.
 std::string with(const std::string& key, const std::string& value) {
   return "local feder = require 'feder'\nreturn feder.scene {\n  title = 'Probe', seconds = 0.1,\n  build = "

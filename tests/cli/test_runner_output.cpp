@@ -8,8 +8,6 @@ using namespace feder::test;
 
 namespace {
 
-bool says(const std::string& text, const std::string& what) { return text.find(what) != std::string::npos; }
-
 const std::string kWrong =
     scene(kBall, "expect(true)\nexpect.near(scene.ball, { 0, 3, 0 }, 0.5)\nexpect(1 > 2, '50% <&>: a, b')");
 

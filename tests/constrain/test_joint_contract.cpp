@@ -1,22 +1,11 @@
 // Every registered joint kind against the contract of constrain/joint.h. A new kind is enrolled by its line alone.
 #include "base/rng.h"
-#include "constrain/joint.h"
+#include "filled.h"
 #include "support/catch.h"
 
 using namespace feder;
 
 namespace {
-
-struct Filled {
-  Arena arena{"test"};
-  Array<Row> rows{&arena};
-  Array<RowBlock> blocks{&arena};
-  explicit Filled(const JointKind& kind, const JointInput& in) {
-    RowWriter out(rows, blocks);
-    out.start(in, 7);
-    kind.fill(in, out);
-  }
-};
 
 Real spread(Rng& rng, Real size) { return static_cast<Real>(rng.uniform(-1, 1)) * size; }
 Vec3 random_vector(Rng& rng, Real size) {

@@ -1,5 +1,5 @@
 // Closed forms of single joint kinds: coordinates, limits, motors, springs.
-#include "constrain/joint.h"
+#include "filled.h"
 #include "support/catch.h"
 
 using namespace feder;
@@ -7,17 +7,6 @@ using namespace feder;
 namespace {
 
 const JointKind& kind_of(const char* name) { return find_variant(joint_kinds(), name, "joint"); }
-
-struct Filled {
-  Arena arena{"test"};
-  Array<Row> rows{&arena};
-  Array<RowBlock> blocks{&arena};
-  Filled(const JointKind& kind, const JointInput& in) {
-    RowWriter out(rows, blocks);
-    out.start(in, 0);
-    kind.fill(in, out);
-  }
-};
 
 // Two bodies whose frames' x axes are the world's z, b rotated by `angle` about it.
 JointInput hinge_at(JointShape& shape, Real angle) {

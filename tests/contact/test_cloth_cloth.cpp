@@ -11,7 +11,7 @@ using namespace feder::test;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&SurfaceContact::descriptor(), &Cloth::descriptor()};
+const SystemDescriptor* const kClothAlone[] = {&SurfaceContact::descriptor(), &Cloth::descriptor()};
 
 bool has_pass(World& w, const std::string& name) {
   const auto nodes = w.plan().nodes();
@@ -23,7 +23,7 @@ bool has_pass(World& w, const std::string& name) {
 
 TEST_CASE("a world of one cloth has no pass for cloth on cloth; the second brings it, and takes it away",
           "[contact][cloth]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAlone);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc alone = sheet(5, 5, 1, 1);
   alone.self_collision = false;
@@ -46,7 +46,7 @@ TEST_CASE("the end of a contact between cloths comes with the end of one of them
           "[couple][cloth]") {
   WorldDesc wd;
   wd.sleeping = false;
-  World w(wd, kCatalog);
+  World w(wd, kClothAlone);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc low = sheet(9, 9, 1, 1);
   low.pin_names = {"top", "bottom", "left", "right"};
@@ -82,7 +82,7 @@ TEST_CASE("the end of a contact between cloths comes with the end of one of them
 }
 
 TEST_CASE("a cloth that falls on a sleeping one wakes it", "[couple][cloth]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAlone);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc low = sheet(9, 9, 1, 1);
   low.pin_names = {"top", "bottom", "left", "right"};
@@ -103,7 +103,7 @@ TEST_CASE("a cloth that falls on a sleeping one wakes it", "[couple][cloth]") {
 TEST_CASE("cloth falls on cloth and stays on it", "[cloth]") {
   WorldDesc wd;
   wd.sleeping = false;
-  World w(wd, kCatalog);
+  World w(wd, kClothAlone);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc low = sheet(17, 17, 1, 1);
   low.pin_names = {"top", "bottom", "left", "right"};
@@ -131,7 +131,7 @@ TEST_CASE("two free cloths that collide exchange momentum and keep the sum", "[c
   wd.gravity = Vec3(0, 0, 0);
   wd.sleeping = false;
   wd.options.set("air_density", 0.0);
-  World w(wd, kCatalog);
+  World w(wd, kClothAlone);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d = sheet(11, 11, 1, 1);
   d.substeps = 8;  // of itself, cloth loses angular momentum in proportion to the solver substep

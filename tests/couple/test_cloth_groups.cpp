@@ -2,9 +2,7 @@
 #include <functional>
 
 #include "cloth/sheets.h"
-#include "contact/surface_contact.h"
-#include "couple/cloth_rigid.h"
-#include "couple/surface_rigid.h"
+#include "couple/cloth_and_rigid.h"
 #include "feder/query.h"
 #include "state/surface.h"
 
@@ -12,10 +10,6 @@ using namespace feder;
 using namespace feder::test;
 
 namespace {
-
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
-                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
-                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
 
 ClothDesc hanging(Real x, std::uint32_t rows, Real stretch) {
   ClothDesc d = sheet(5, rows, 1, Real(0.25) * static_cast<Real>(rows - 1));
@@ -38,7 +32,7 @@ double updates(World& w) {
 
 // Work of 30 steps, in links, hinges and contacts.
 double work(bool taut, int slack) {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   Cloth& cloth = w.need<Cloth>();
   if (taut) cloth.add_cloth(hanging(0, 40, 20000));
   for (int k = 1; k <= slack; ++k) cloth.add_cloth(hanging(Real(3) * static_cast<Real>(k), 6, 200));
@@ -51,7 +45,7 @@ double work(bool taut, int slack) {
 std::vector<Vec3> beside(const std::function<void(World&)>& more, int threads = 1) {
   WorldDesc wd;
   wd.threads = threads;
-  World w(wd, kCatalog);
+  World w(wd, kClothAndRigid);
   Cloth& cloth = w.need<Cloth>();
   const ObjectId first = cloth.add_cloth(hanging(0, 12, 2000));
   BodyDesc pusher = ball(BodyType::kinematic, Vec3(0, Real(-0.4), -1), Real(0.3));
@@ -87,7 +81,7 @@ TEST_CASE("a cloth moves the same bits beside others that it does not meet", "[c
 }
 
 TEST_CASE("cloths are one group while they may touch, or act on one dynamic body", "[couple][cloth][groups]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   Cloth& cloth = w.need<Cloth>();
   Rigid& rigid = w.need<Rigid>();
   cloth.add_cloth(hanging(0, 6, 200));
@@ -127,7 +121,7 @@ TEST_CASE("cloths are one group while they may touch, or act on one dynamic body
 }
 
 TEST_CASE("the count of substeps of a group comes back with a snapshot", "[couple][cloth][groups]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   Cloth& cloth = w.need<Cloth>();
   const ObjectId id = cloth.add_cloth(hanging(0, 40, 20000));
   w.step();

@@ -3,10 +3,7 @@
 #include <cstdlib>
 
 #include "base/rng.h"
-#include "contact/surface_contact.h"
-#include "couple/cloth_rigid.h"
-#include "couple/surface_rigid.h"
-#include "feder/world.h"
+#include "couple/cloth_and_rigid.h"
 #include "state/bodies.h"
 #include "support/catch.h"
 
@@ -14,12 +11,8 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
-                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
-                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
-
 struct Lives {
-  explicit Lives(std::uint64_t seed) : rng(seed), w(WorldDesc{}, kCatalog) {}
+  explicit Lives(std::uint64_t seed) : rng(seed), w(WorldDesc{}, kClothAndRigid) {}
 
   Rng rng;
   World w;
@@ -130,7 +123,7 @@ void live(std::uint64_t seed, int operations) {
 }  // namespace
 
 TEST_CASE("bodies that go while they fly at a sheet are not asked for again", "[couple][cloth]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   ClothDesc d;
   d.nx = d.ny = 9;
   d.pin_names = {"left", "right"};

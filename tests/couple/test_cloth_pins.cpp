@@ -5,19 +5,13 @@
 #include <cmath>
 
 #include "base/rng.h"
-#include "contact/surface_contact.h"
-#include "couple/cloth_rigid.h"
-#include "couple/surface_rigid.h"
-#include "feder/world.h"
+#include "couple/cloth_and_rigid.h"
 #include "support/catch.h"
 
 using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
-                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
-                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
 const char* const kKinds[] = {"sphere", "box", "capsule", "cylinder", "cone", "hull", "plane", "mesh", "compound"};
 
 // A box as triangles, seen from outside counter-clockwise.
@@ -79,7 +73,7 @@ struct Outcome {
 // A sheet pinned along its left border at `gap` from a random place of the surface, and blown at.
 Outcome run(std::uint64_t seed, std::size_t kind, Real gap) {
   Rng rng(seed);
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   BodyDesc b;
   b.type = BodyType::fixed;
   b.shape = make_kind(kind, rng);

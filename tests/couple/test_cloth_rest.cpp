@@ -1,20 +1,13 @@
 // Bodies at rest on coarse cloth: no point of a triangle is inside them, over a second, and they lie still.
 #include <cmath>
 
-#include "contact/surface_contact.h"
-#include "couple/cloth_rigid.h"
-#include "couple/surface_rigid.h"
-#include "feder/world.h"
+#include "couple/cloth_and_rigid.h"
 #include "state/bodies.h"
 #include "support/catch.h"
 
 using namespace feder;
 
 namespace {
-
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
-                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
-                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
 
 // The least distance of points of all triangles (a raster finer than the body) from the shape's surface, m.
 Real nearest(const Cloth& cloth, ObjectId id, const Shape& shape, const Pose& pose) {
@@ -41,7 +34,7 @@ TEST_CASE("a heavy body rests on coarse cloth and does not sink through between 
   // smaller than a cell of 0.14 m, on a corner, and one over many cells of 0.05 m, which strain most
   const int kind = GENERATE(0, 1, 2, 3, 4);
   const double mass = GENERATE(0.1, 1.0, 3.0);
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d;
@@ -82,7 +75,7 @@ TEST_CASE("a heavy body rests on coarse cloth and does not sink through between 
 
 TEST_CASE("coarse cloth lies on the tip of a mesh that pokes between its vertices", "[couple][cloth]") {
   const bool mesh = GENERATE(true, false);
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   const std::vector<Vec3> points = {Vec3(Real(-0.3), Real(-0.4), Real(-0.3)), Vec3(Real(0.3), Real(-0.4), Real(-0.3)),
@@ -113,7 +106,7 @@ TEST_CASE("coarse cloth lies on the tip of a mesh that pokes between its vertice
 }
 
 TEST_CASE("a cloth asleep on a body wakes when that goes, whatever other bodies there are", "[couple][cloth]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   BodyDesc b;
@@ -142,7 +135,7 @@ TEST_CASE("a cloth asleep on a body wakes when that goes, whatever other bodies 
 
 TEST_CASE("a sleeping cloth stops what flies at it", "[couple][cloth]") {
   const Real speed = GENERATE(Real(5), Real(40), Real(100));
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d;

@@ -1,10 +1,7 @@
 // Cloth and bodies: momentum passes both ways, nothing passes through, bodies rest on cloth, attachments hold.
 #include <cmath>
 
-#include "contact/surface_contact.h"
-#include "couple/cloth_rigid.h"
-#include "couple/surface_rigid.h"
-#include "feder/world.h"
+#include "couple/cloth_and_rigid.h"
 #include "narrow/narrow_phase.h"
 #include "state/bodies.h"
 #include "state/cloth_vertices.h"
@@ -13,10 +10,6 @@
 using namespace feder;
 
 namespace {
-
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(),        &Rigid::descriptor(),
-                                            &SurfaceContact::descriptor(), &SurfaceRigid::descriptor(),
-                                            &Cloth::descriptor(),          &ClothRigid::descriptor()};
 
 ClothDesc sheet(std::uint32_t n, Real size) {
   ClothDesc d;
@@ -49,7 +42,7 @@ TEST_CASE("a free cloth hit by a body: momentum and angular momentum are kept", 
   wd.dt = 1.0 / 240;
   wd.sleeping = false;
   wd.options.set("air_density", 0.0);
-  World w(wd, kCatalog);
+  World w(wd, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   BodyDesc hammer = solid(row == 0   ? make_sphere(Real(0.15))
@@ -82,7 +75,7 @@ TEST_CASE("a small ball at 50 m/s does not pass a sheet, nor does a corner", "[c
   const bool self = GENERATE(false, true);
   WorldDesc wd;
   wd.gravity = Vec3(0, 0, 0);
-  World w(wd, kCatalog);
+  World w(wd, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d = sheet(21, 1);
@@ -117,7 +110,7 @@ TEST_CASE("a ball of 50 m/s takes a free sheet along: momentum passes both ways,
   wd.gravity = Vec3(0, 0, 0);
   wd.sleeping = false;
   wd.options.set("air_density", 0.0);
-  World w(wd, kCatalog);
+  World w(wd, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d = sheet(21, 1);
@@ -145,7 +138,7 @@ TEST_CASE("a ball of 50 m/s takes a free sheet along: momentum passes both ways,
 
 TEST_CASE("a body rests on a cloth held at its border, and the cloth carries its weight", "[couple][cloth]") {
   WorldDesc wd;
-  World w(wd, kCatalog);
+  World w(wd, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d = sheet(21, 1);
@@ -176,7 +169,7 @@ TEST_CASE("a body rests on a cloth held at its border, and the cloth carries its
 
 TEST_CASE("a cloth lies on every kind of body, none of its vertices inside", "[couple][cloth]") {
   const int kind = GENERATE(0, 1, 2, 3, 4, 5);
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   const std::vector<Vec3> tetra = {Vec3(Real(-0.4), Real(-0.3), Real(-0.4)), Vec3(Real(0.4), Real(-0.3), Real(-0.4)),
@@ -217,7 +210,7 @@ TEST_CASE("a cloth lies on every kind of body, none of its vertices inside", "[c
 }
 
 TEST_CASE("a body hung from a cloth by attachments swings with it; the joints hold", "[couple][cloth]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d = sheet(11, Real(0.5));
@@ -243,7 +236,7 @@ TEST_CASE("a body hung from a cloth by attachments swings with it; the joints ho
 }
 
 TEST_CASE("a kinematic body carries cloth; a cloth falling on a sleeper wakes it", "[couple][cloth]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   BodyDesc tray = solid(make_box(1, Real(0.1), 1), 1, Vec3(0, 0, 0));
@@ -280,7 +273,7 @@ TEST_CASE("cloth and bodies: restore then run equals run, threads change nothing
     WorldDesc wd;
     wd.threads = threads;
     wd.sleeping = false;
-    World w(wd, kCatalog);
+    World w(wd, kClothAndRigid);
     Rigid& rigid = w.need<Rigid>();
     Cloth& cloth = w.need<Cloth>();
     ClothDesc d = sheet(15, 1);
@@ -312,7 +305,7 @@ TEST_CASE("ties of a sheet to a free body push both: momentum and angular moment
   wd.dt = 1.0 / 240;
   wd.sleeping = false;
   wd.options.set("air_density", 0.0);
-  World w(wd, kCatalog);
+  World w(wd, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d = sheet(13, 1);
@@ -340,7 +333,7 @@ TEST_CASE("ties of a sheet to a free body push both: momentum and angular moment
 
 TEST_CASE("a body on a sheet that hangs from a pin is carried, and its tie goes with the attachment",
           "[couple][cloth]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d = sheet(21, 1);

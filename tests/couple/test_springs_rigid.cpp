@@ -12,8 +12,8 @@ using namespace feder;
 
 namespace {
 
-const SystemDescriptor* const kCatalog[] = {&Collide::descriptor(), &Rigid::descriptor(), &Springs::descriptor(),
-                                            &SpringsRigid::descriptor()};
+const SystemDescriptor* const kSpringsAndRigid[] = {&Collide::descriptor(), &Rigid::descriptor(),
+                                                    &Springs::descriptor(), &SpringsRigid::descriptor()};
 
 // n x n points in the xz plane around the origin, one metre wide, neighbours and diagonals joined.
 NetDesc sheet(std::uint32_t n, Real total_mass, Real stiffness, Real damping, Real radius) {
@@ -80,7 +80,7 @@ TEST_CASE("a free net hit by a body: momentum and angular momentum are kept", "[
   WorldDesc wd = weightless();
   wd.dt = 1.0 / 960;  // contact arms are those of the start of a step
   wd.systems["rigid"].set("solver", std::string(solver));
-  World w(wd, kCatalog);
+  World w(wd, kSpringsAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Springs& springs = w.need<Springs>();
   BodyDesc hammer = ball(Real(0.2), 2, Vec3(Real(0.13), Real(0.6), Real(0.07)));
@@ -112,7 +112,7 @@ TEST_CASE("a pinned net carries a body dropped on it, and the body stays awake",
   WorldDesc wd;
   wd.substeps = 8;
   wd.systems["rigid"].set("solver", std::string(solver));
-  World w(wd, kCatalog);
+  World w(wd, kSpringsAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Springs& springs = w.need<Springs>();
   const ObjectId body = rigid.add_body(ball(Real(0.2), 5, Vec3(0, Real(0.5), 0)));
@@ -164,7 +164,7 @@ TEST_CASE("an attached body hangs on its rope with the right tension", "[couple]
   WorldDesc wd;
   wd.substeps = 8;
   wd.systems["rigid"].set("solver", std::string(solver));
-  World w(wd, kCatalog);
+  World w(wd, kSpringsAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Springs& springs = w.need<Springs>();
   NetDesc d;
@@ -199,7 +199,7 @@ TEST_CASE("an attached body hangs on its rope with the right tension", "[couple]
 }
 
 TEST_CASE("an attachment passes momentum exactly", "[couple]") {
-  World w(weightless(), kCatalog);
+  World w(weightless(), kSpringsAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Springs& springs = w.need<Springs>();
   BodyDesc box;
@@ -221,7 +221,7 @@ TEST_CASE("an attachment passes momentum exactly", "[couple]") {
 }
 
 TEST_CASE("destroying nets and bodies in any order leaves nothing behind", "[couple]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kSpringsAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Springs& springs = w.need<Springs>();
   BodyDesc ground;
@@ -252,7 +252,7 @@ TEST_CASE("a coupled world restores bit for bit and does not depend on threads",
   for (int run = 0; run < 2; ++run) {
     WorldDesc wd;
     wd.threads = run == 0 ? 1 : 2;
-    World w(wd, kCatalog);
+    World w(wd, kSpringsAndRigid);
     Rigid& rigid = w.need<Rigid>();
     Springs& springs = w.need<Springs>();
     const ObjectId net = springs.add_net(sheet(6, 1, 800, 2, Real(0.08)));
@@ -274,7 +274,7 @@ TEST_CASE("a coupled world restores bit for bit and does not depend on threads",
 }
 
 TEST_CASE("a net that goes bad within a step is held from there on, also where it carries a body", "[couple]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kSpringsAndRigid);
   Springs& springs = w.need<Springs>();
   Rigid& rigid = w.need<Rigid>();
   NetDesc d;
@@ -293,7 +293,7 @@ TEST_CASE("a net that goes bad within a step is held from there on, also where i
 }
 
 TEST_CASE("a net that is gone is no longer hit, and its contact ends", "[couple]") {
-  World w(WorldDesc{}, kCatalog);
+  World w(WorldDesc{}, kSpringsAndRigid);
   Rigid& rigid = w.need<Rigid>();
   BodyDesc ground;
   ground.type = BodyType::fixed, ground.shape = make_box(10, 1, 10), ground.position = Vec3(0, Real(-0.5), 0);

@@ -23,6 +23,13 @@ inline WorldDesc fluid_world(int dimension = 3, int threads = 1) {
   return d;
 }
 
+// One substep of 1/240 s.
+inline WorldDesc one_substep(int threads = 1) {
+  WorldDesc d = fluid_world(3, threads);
+  d.dt = Real(1) / 240, d.substeps = 1;
+  return d;
+}
+
 inline void add_plane(World& w, const Vec3& normal, Real distance) {
   BodyDesc b;
   b.type = BodyType::fixed;

@@ -1,20 +1,12 @@
 // Fluids that share no body take their own substeps; those that press on one body take them together.
-#include "fluid/solver.h"
+#include "fluid/any_solver.h"
 #include "fluid/tank.h"
-#include "support/catch.h"
 
 using namespace feder;
 
 namespace {
 
 constexpr Real kSpacing = Real(0.05);
-
-WorldDesc one_substep(int threads = 1) {
-  WorldDesc d = fluid_world(3);
-  d.dt = Real(1) / 240, d.substeps = 1;
-  d.threads = threads;
-  return d;
-}
 
 // A calm pool of 8 x 4 x 8 particles, and behind a wall water that runs along the same channel.
 struct Two {
@@ -42,14 +34,10 @@ struct Two {
   ObjectId calm, fast;
 };
 
-std::string solver_row() {
-  return fluid_solvers()[static_cast<std::size_t>(GENERATE(range(0, static_cast<int>(fluid_solvers().size()))))].name;
-}
-
 }  // namespace
 
 TEST_CASE("a fluid takes the substeps it wants, whatever another one wants elsewhere", "[fluid][groups]") {
-  const std::string solver = solver_row();
+  const std::string solver = any_fluid_solver();
   CAPTURE(solver);
   Two alone(solver, false), both(solver, true);
   for (int k = 0; k < 30; ++k) alone.w.step(), both.w.step();
@@ -73,7 +61,7 @@ TEST_CASE("fluids that press on one body take their substeps together", "[fluid]
 }
 
 TEST_CASE("groups of fluids give the same on any number of threads, and after a restore", "[fluid][groups][threads]") {
-  const std::string solver = solver_row();
+  const std::string solver = any_fluid_solver();
   const int threads = GENERATE(2, 4);
   CAPTURE(solver, threads);
   Two one(solver, true), many(solver, true, threads);

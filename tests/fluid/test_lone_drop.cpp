@@ -1,26 +1,15 @@
 // Drops that fly alone: they pass nothing, cost nothing before they meet something, and leave what rests at rest.
-#include "fluid/solver.h"
+#include "fluid/any_solver.h"
 #include "fluid/tank.h"
-#include "support/catch.h"
 
 using namespace feder;
 
 namespace {
 
-constexpr Real kSpacing = Real(0.05);
-
-std::string solver_row() {
-  return fluid_solvers()[static_cast<std::size_t>(GENERATE(range(0, static_cast<int>(fluid_solvers().size()))))].name;
-}
-
-WorldDesc one_substep() {
-  WorldDesc d = fluid_world(3);
-  d.dt = Real(1) / 240, d.substeps = 1;
-  return d;
-}
+constexpr Real kDropSpacing = Real(0.05);
 
 // The middle of a lattice of `count` particles, the first ones of a cube.
-std::vector<Vec3> drop(int count, const Vec3& at, Real spacing = kSpacing) {
+std::vector<Vec3> drop(int count, const Vec3& at, Real spacing = kDropSpacing) {
   int side = 1;
   while (side * side * side < count) ++side;
   std::vector<Vec3> points;
@@ -33,11 +22,11 @@ std::vector<Vec3> drop(int count, const Vec3& at, Real spacing = kSpacing) {
 // A calm pool, 20 cm deep, in a tank of planes.
 struct Pool {
   explicit Pool(const std::string& solver) : w(one_substep(), fluid_catalog()) {
-    const Real width = 10 * kSpacing;
+    const Real width = 10 * kDropSpacing;
     add_tank(w, vec3(width, 0, width));
     FluidDesc d;
-    d.solver = solver, d.spacing = kSpacing;
-    id = add_water(w, d, vec3(width, 4 * kSpacing, width));
+    d.solver = solver, d.spacing = kDropSpacing;
+    id = add_water(w, d, vec3(width, 4 * kDropSpacing, width));
     run(w, 0.25);  // else it is not calm
   }
   void throw_in(const std::vector<Vec3>& points, const Vec3& velocity) {
@@ -59,17 +48,17 @@ struct Pool {
 }  // namespace
 
 TEST_CASE("what flies over a calm pool takes no more substeps than the pool until it meets it", "[fluid][drop]") {
-  const std::string solver = solver_row();
+  const std::string solver = any_fluid_solver();
   const int count = GENERATE(1, 7, 30);
   const Vec3 velocity = GENERATE(Vec3(0, -30, 0), Vec3(0, -100, 0), Vec3(Real(0.2), -30, Real(-0.1)));
   CAPTURE(solver, count, velocity[0], velocity[1]);
   Pool alone(solver), under(solver);
-  const Real top = 4 * kSpacing, way = length(velocity) / 240;
+  const Real top = 4 * kDropSpacing, way = length(velocity) / 240;
   under.throw_in(drop(count, vec3(Real(0.175), top + 3, Real(0.175))), velocity);
   const std::uint64_t before_alone = alone.taken(), before_under = under.taken();
   int steps = 0;
   // its particles fall a little faster in a step, and cells of two supports may come between
-  for (; under.lowest() > top + way + 6 * kSpacing; ++steps) alone.w.step(), under.w.step();
+  for (; under.lowest() > top + way + 6 * kDropSpacing; ++steps) alone.w.step(), under.w.step();
   CHECK(steps > 5);
   const double taken = static_cast<double>(under.taken() - before_under);
   CHECK(taken <= 1.2 * static_cast<double>(alone.taken() - before_alone));
@@ -77,15 +66,15 @@ TEST_CASE("what flies over a calm pool takes no more substeps than the pool unti
 
 TEST_CASE("a drop that comes down on a pool is met by it, not put inside", "[fluid][drop]") {
   if (!kFull) return;
-  const std::string solver = solver_row();
+  const std::string solver = any_fluid_solver();
   const int count = GENERATE(1, 7);
   CAPTURE(solver, count);
   Pool p(solver);
-  const Real top = 4 * kSpacing, speed = 30;
+  const Real top = 4 * kDropSpacing, speed = 30;
   p.throw_in(drop(count, vec3(Real(0.2), top + 1, Real(0.2))), vec3(0, -speed, 0));
   const double was = p.w.energy().kinetic;
   std::uint64_t before = 0;
-  while (p.lowest() > top + kSpacing) {
+  while (p.lowest() > top + kDropSpacing) {
     before = p.taken();
     p.w.step();
   }
@@ -100,13 +89,13 @@ TEST_CASE("a drop that comes down on a pool is met by it, not put inside", "[flu
 
 // Its speed through space is no fluid's: what is at rest in its own frame needs what it needs at rest.
 TEST_CASE("what flies alone takes the substeps that it takes at rest", "[fluid][drop]") {
-  const std::string solver = solver_row();
+  const std::string solver = any_fluid_solver();
   CAPTURE(solver);
   std::uint64_t taken[2];
   for (int fast = 0; fast < 2; ++fast) {
     World w(one_substep(), fluid_catalog());
     FluidDesc d;
-    d.solver = solver, d.spacing = kSpacing;
+    d.solver = solver, d.spacing = kDropSpacing;
     const ObjectId id = w.need<Fluid>().add_fluid(d);
     w.need<Fluid>().fill(id, drop(64, vec3(0, 9, 0)), vec3(fast ? 40 : 0, 0, 0));
     run(w, 0.1);
@@ -116,7 +105,7 @@ TEST_CASE("what flies alone takes the substeps that it takes at rest", "[fluid][
 }
 
 TEST_CASE("a lone drop passes neither thin walls nor bodies that come towards it", "[fluid][drop]") {
-  const std::string solver = solver_row();
+  const std::string solver = any_fluid_solver();
   const int count = GENERATE(1, 7);
   const Real speed = GENERATE(Real(20), Real(100), Real(400)), phase = GENERATE(Real(0), Real(0.31), Real(0.77));
   const bool body = GENERATE(false, true);
@@ -130,7 +119,7 @@ TEST_CASE("a lone drop passes neither thin walls nor bodies that come towards it
   if (body) b.velocity = vec3(-20, 0, 0), b.position = vec3(Real(1.5), 0, 0);
   const ObjectId wall = w.need<Rigid>().add_body(b);
   FluidDesc d;
-  d.solver = solver, d.spacing = kSpacing;
+  d.solver = solver, d.spacing = kDropSpacing;
   const ObjectId id = w.need<Fluid>().add_fluid(d);
   w.need<Fluid>().fill(id, drop(count, vec3(-1 - phase * speed / 240, Real(-0.05), Real(-0.05))), vec3(speed, 0, 0));
   for (int k = 0; k < 40; ++k) {
@@ -145,14 +134,14 @@ TEST_CASE("a lone drop passes neither thin walls nor bodies that come towards it
 }
 
 TEST_CASE("two drops that fly against each other take more substeps where they meet alone", "[fluid][drop]") {
-  const std::string solver = solver_row();
+  const std::string solver = any_fluid_solver();
   const int count = GENERATE(1, 27);
   CAPTURE(solver, count);
   WorldDesc desc = one_substep();
   desc.gravity = Vec3::Zero();
   World w(desc, fluid_catalog());
   FluidDesc d;
-  d.solver = solver, d.spacing = kSpacing;
+  d.solver = solver, d.spacing = kDropSpacing;
   const ObjectId id = w.need<Fluid>().add_fluid(d);
   w.need<Fluid>().fill(id, drop(count, vec3(-1, 0, 0)), vec3(15, 0, 0));
   w.need<Fluid>().fill(id, drop(count, vec3(1, 0, 0)), vec3(-15, 0, 0));
@@ -168,13 +157,13 @@ TEST_CASE("two drops that fly against each other take more substeps where they m
 }
 
 TEST_CASE("what is fast and far leaves a calm pool calm, until it is there", "[fluid][drop]") {
-  const std::string solver = solver_row();
+  const std::string solver = any_fluid_solver();
   const bool body = GENERATE(false, true);
   const Real speed = GENERATE(Real(10), Real(30), Real(100));
   CAPTURE(solver, body, speed);
   Pool p(solver);
   const double calm = p.w.energy().kinetic;
-  const Real top = 4 * kSpacing;
+  const Real top = 4 * kDropSpacing;
   double flying = 0;
   if (body) {
     BodyDesc b;
@@ -185,14 +174,14 @@ TEST_CASE("what is fast and far leaves a calm pool calm, until it is there", "[f
     flying = 0.5 * 1000 * 4.0 / 3 * 3.14159265 * 0.001;
   } else {
     p.throw_in(drop(1, vec3(Real(0.2), top + 3, Real(0.2))), vec3(0, -speed, 0));
-    flying = 0.5 * 1000 * std::pow(static_cast<double>(kSpacing), 3);
+    flying = 0.5 * 1000 * std::pow(static_cast<double>(kDropSpacing), 3);
   }
   double v = static_cast<double>(speed), most = 0;
-  for (int k = 0; k < 24 && (body || p.lowest() > top + 3 * kSpacing); ++k) {
+  for (int k = 0; k < 24 && (body || p.lowest() > top + 3 * kDropSpacing); ++k) {
     p.w.step();
     v += 9.81 / 240;
     most = std::max(most, p.w.energy().kinetic - flying * v * v);
   }
-  const double mass = 1000 * std::pow(static_cast<double>(kSpacing), 3) * 400;
+  const double mass = 1000 * std::pow(static_cast<double>(kDropSpacing), 3) * 400;
   CHECK(most - calm < 0.5 * mass * 0.05 * 0.05 + 0.002 * flying * v * v);  // 5 cm/s of the pool
 }

@@ -1,5 +1,5 @@
 // The contract of feder/shape.h for every kind of shape. A new kind is enrolled by its line alone.
-#include "base/rng.h"
+#include "direction.h"
 #include "feder/error.h"
 #include "feder/shape.h"
 #include "support/catch.h"
@@ -8,16 +8,9 @@ using namespace feder;
 
 namespace {
 
-Vec3 direction(Rng& rng, bool planar) {
-  for (;;) {
-    const Vec3 v = vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), planar ? Real(0) : rng.uniform(-1, 1));
-    if (dot(v, v) > Real(0.01) && dot(v, v) <= 1) return v / length(v);
-  }
-}
-
 Pose pose(Rng& rng, bool planar) {
-  const Quat q = from_axis_angle(planar ? vec3(0, 0, 1) : direction(rng, false), rng.uniform(-3, 3));
-  return {direction(rng, planar) * 3, q};
+  const Quat q = from_axis_angle(planar ? vec3(0, 0, 1) : random_direction(rng, false), rng.uniform(-3, 3));
+  return {random_direction(rng, planar) * 3, q};
 }
 
 // Height of the rounded surface along the unit vector u.
@@ -60,7 +53,7 @@ void check_same(const Shape& a, const Shape& b, Rng& rng) {
   CHECK(a.mass(700).mass == b.mass(700).mass);
   CHECK(a.mass(700).inertia == b.mass(700).inertia);
   for (int k = 0; k < 40; ++k) {
-    const Vec3 d = direction(rng, a.planar()), p = 4 * direction(rng, a.planar());
+    const Vec3 d = random_direction(rng, a.planar()), p = 4 * random_direction(rng, a.planar());
     Vec3 m, n, at[kMaxFacePoints], bt[kMaxFacePoints];
     CHECK(a.distance(p, 100, m) == b.distance(p, 100, n));
     CHECK(m == n);
@@ -101,7 +94,7 @@ TEST_CASE("a shape is made again from its arguments, to the last bit", "[geom][c
   for (int k = 0; k < 60; ++k) {
     std::vector<Vec3> points, flat;
     std::vector<Vec2> plane;
-    for (int i = 0; i < 24; ++i) points.push_back(direction(rng, false) * rng.uniform(Real(0.2), 1));
+    for (int i = 0; i < 24; ++i) points.push_back(random_direction(rng, false) * rng.uniform(Real(0.2), 1));
     for (int i = 0; i < 12; ++i) plane.emplace_back(rng.uniform(-1, 1), rng.uniform(-1, 1));
     std::vector<std::uint32_t> triangles;
     for (int i = 0; i < 90; ++i) triangles.push_back(static_cast<std::uint32_t>(rng.uniform(0, Real(23.9))));
@@ -137,10 +130,10 @@ TEST_CASE("the extent is the farthest support", "[geom][contract]") {
   for_samples([](const Shape& s, Real size, Rng& rng) {
     if (!s.convex()) return;
     for (int i = 0; i < 5; ++i) {
-      const Vec3 center = direction(rng, s.planar()) * (size * rng.uniform(0, 1));
+      const Vec3 center = random_direction(rng, s.planar()) * (size * rng.uniform(0, 1));
       Real far = 0;
       for (int k = 0; k < 3000; ++k) {
-        const Vec3 u = direction(rng, s.planar());
+        const Vec3 u = random_direction(rng, s.planar());
         const Vec3 core = s.support(u) - center;
         far = std::max(far, length(core) + s.radius());
       }
@@ -205,13 +198,13 @@ TEST_CASE("faces lie on the surface and turn counter-clockwise", "[geom][contrac
     if (!s.convex()) return;
     const Real slack = Real(2e-5) * size;
     for (int i = 0; i < 200; ++i) {
-      const Vec3 d = direction(rng, s.planar());
+      const Vec3 d = random_direction(rng, s.planar());
       Vec3 p[kMaxFacePoints];
       const int count = s.face(d, p);
       REQUIRE(count >= 1);
       REQUIRE(count <= kMaxFacePoints);
       for (int k = 0; k < count; ++k) {
-        const Vec3 u = direction(rng, s.planar());
+        const Vec3 u = random_direction(rng, s.planar());
         CHECK(dot(u, p[k]) <= dot(u, s.support(u)) + slack);
       }
       if (count == 1) CHECK(dot(d, p[0]) == Approx(dot(d, s.support(d))).margin(slack));
@@ -233,8 +226,8 @@ TEST_CASE("rays end on the surface", "[geom][contract]") {
     const Real slack = Real(2e-4) * size;
     int hits = 0;
     for (int i = 0; i < 400; ++i) {
-      const Vec3 origin = middle + direction(rng, s.planar()) * (size * rng.uniform(Real(1.5), 4));
-      const Vec3 target = middle + direction(rng, s.planar()) * (size * rng.uniform(0, Real(1.2)));
+      const Vec3 origin = middle + random_direction(rng, s.planar()) * (size * rng.uniform(Real(1.5), 4));
+      const Vec3 target = middle + random_direction(rng, s.planar()) * (size * rng.uniform(0, Real(1.2)));
       const Vec3 ray = (target - origin) * rng.uniform(Real(0.5), 3);
       if (inside(s, origin)) continue;
       RayHit hit;
@@ -276,7 +269,7 @@ TEST_CASE("2D sections stay in their plane", "[geom][contract]") {
     if (!flat->convex()) return;
     CHECK(flat->planar());
     for (int i = 0; i < 50; ++i) {
-      const Vec3 u = direction(rng, true);
+      const Vec3 u = random_direction(rng, true);
       CHECK(flat->support(u)[2] == 0);
       CHECK(reach(*flat, u) == Approx(reach(s, u)).margin(1e-5 * size));
     }

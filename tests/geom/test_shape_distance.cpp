@@ -1,19 +1,11 @@
 // Signed distances of every kind of shape, against supports and rays. A new kind is enrolled by its line alone.
-#include "base/rng.h"
+#include "direction.h"
 #include "feder/shape.h"
 #include "support/catch.h"
 
 using namespace feder;
 
 namespace {
-
-Vec3 direction(Rng& rng, bool planar) {
-  for (;;) {
-    const Real x = rng.uniform(-1, 1), y = rng.uniform(-1, 1), z = rng.uniform(-1, 1);
-    const Vec3 v = vec3(x, y, planar ? Real(0) : z);
-    if (dot(v, v) > Real(0.01) && dot(v, v) <= 1) return v / length(v);
-  }
-}
 
 template <class Check>
 void for_points(const Check& check) {
@@ -23,7 +15,7 @@ void for_points(const Check& check) {
     if (!(size < kInfinity)) size = 2;
     Rng rng(static_cast<std::uint64_t>(kind) + 5);
     for (int i = 0; i < 300; ++i) {
-      const Vec3 way = direction(rng, s->planar());
+      const Vec3 way = random_direction(rng, s->planar());
       const Real far = rng.uniform(0, Real(1.6));
       const Vec3 p = way * (size * far);
       Vec3 n = Vec3::Zero();
@@ -44,7 +36,7 @@ TEST_CASE("the distance to a convex shape is the largest over its supporting pla
     // two nearest features tie within rounding: the distance is exact, the normal to the root of that
     CHECK(dot(n, p - s.support(n)) - s.radius() == Approx(d).margin(2 * std::sqrt(kEpsilon) * size));
     for (int k = 0; k < 20; ++k) {
-      const Vec3 u = direction(rng, s.planar());
+      const Vec3 u = random_direction(rng, s.planar());
       CHECK(dot(u, p - s.support(u)) - s.radius() <= d + slack);
     }
   });
@@ -62,7 +54,7 @@ TEST_CASE("a ray along the distance meets the surface, and no shorter one does",
       REQUIRE(s.raycast(p, ray, hit));
       CHECK(hit.fraction * length(ray) == Approx(d).margin(Real(0.03) * size));
     }
-    for (int k = 0; k < 20; ++k) CHECK_FALSE(s.raycast(p, direction(rng, s.planar()) * (Real(0.998) * d), hit));
+    for (int k = 0; k < 20; ++k) CHECK_FALSE(s.raycast(p, random_direction(rng, s.planar()) * (Real(0.998) * d), hit));
   });
 }
 

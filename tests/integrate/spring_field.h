@@ -8,6 +8,8 @@
 
 namespace feder::test {
 
+inline constexpr bool kFloat = sizeof(Real) == 4;
+
 struct TestSpring {
   std::uint32_t i, j;  // j == kNone: to the origin
   Real stiffness, damping, rest_length;

@@ -13,7 +13,6 @@ using namespace feder::test;
 
 namespace {
 
-constexpr bool kFloat = sizeof(Real) == 4;
 constexpr double kYear = 6.283185307179586;  // period of the orbits
 
 State pericentre() { return {{Vec3(Real(0.1), 0, 0)}, {Vec3(0, Real(4.3588989435406736), 0)}}; }

@@ -9,8 +9,6 @@ using namespace feder::test;
 
 namespace {
 
-constexpr bool kFloat = sizeof(Real) == 4;
-
 const Variant<Integrator>& any_method() {
   const int row = GENERATE(range(0, static_cast<int>(integrators().size())));
   return integrators()[static_cast<std::size_t>(row)];

@@ -12,8 +12,6 @@ using namespace feder::test;
 
 namespace {
 
-constexpr bool kFloat = sizeof(Real) == 4;
-
 struct Problem {
   const char* name;
   std::shared_ptr<ForceField> field;

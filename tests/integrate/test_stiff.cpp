@@ -11,8 +11,6 @@ using namespace feder::test;
 
 namespace {
 
-constexpr bool kFloat = sizeof(Real) == 4;
-
 // A chain hung at one end, horizontal, with a heavy last mass.
 SpringField hung_chain(int links, Real stiffness, Real ratio) {
   SpringField f;

@@ -6,7 +6,7 @@ using namespace feder::test;
 
 namespace {
 
-const std::string kFloor = "world:body{ type = 'static', shape = feder.plane() } ";
+const std::string kGround = "world:body{ type = 'static', shape = feder.plane() } ";
 const std::string kFalling =
     "local expect = feder.expect; local b = world:body{ name = 'b', shape = feder.box(1, 1, 1), position = {0, 2, 0} "
     "} ";
@@ -50,23 +50,23 @@ TEST_CASE("physics expectations hold where they should and say why not elsewhere
   const struct {
     std::string text, message;
   } rows[] = {
-      {kFloor + "expect.settles(b, 5)", ""},
+      {kGround + "expect.settles(b, 5)", ""},
       {"expect.settles(b, 1)", "expected to settle within 1 s, got"},
-      {kFloor + "expect.asleep(b, 5)", ""},
+      {kGround + "expect.asleep(b, 5)", ""},
       {"expect.asleep(b)", "body \"b\": expected to sleep, got it is awake"},
-      {kFloor + "expect.near(b, {0, 0.5, 0}, 0.01, 5)", ""},
+      {kGround + "expect.near(b, {0, 0.5, 0}, 0.01, 5)", ""},
       {"expect.near(b, {0, 2, 0}, 0)", ""},
       {"expect.near(b, {0, 1, 0}, 0.5)", "body \"b\": expected at (0, 1, 0), got (0, 2, 0), 1 m away"},
       {"expect.near(1, 1.1, 0.2)", ""},
       {"expect.near(0/0, 1, 10)", "expected 1 within 10, got nan"},
       {"expect.inside({b}, {{1, 3, 1}, {-1, 1, -1}})", ""},
       {"expect.inside(b, {{-1, 0, -1}, {1, 1, 1}})", "expected inside (-1, 0, -1) to (1, 1, 1), got (0, 2, 0)"},
-      {kFloor + "expect.events('contact_begin', 1, 2)", ""},
-      {kFloor + "expect.events('hit', {1, 9}, 2)", ""},
+      {kGround + "expect.events('contact_begin', 1, 2)", ""},
+      {kGround + "expect.events('hit', {1, 9}, 2)", ""},
       {"expect.events('contact_begin', 1, 1)", "contact_begin events: expected 1 within 1 s, got 0"},
       {"expect.events('contact_begin', 0, 1)", ""},
       {"expect.energy_drift(0.02, 1)", ""},
-      {kFloor + "expect.energy_drift(1e-3, 2)", "energy: expected a drift of at most 0.001, got"},
+      {kGround + "expect.energy_drift(1e-3, 2)", "energy: expected a drift of at most 0.001, got"},
       {"expect.no_warnings()", ""},
       {"expect.no_warnings('non_finite', 1) expect.near(world:time(), 1, 1e-9)", ""},
       {"expect.above(b, 1)", ""},
@@ -76,17 +76,17 @@ TEST_CASE("physics expectations hold where they should and say why not elsewhere
       {"expect.angle(b, 0, 1e-6)", ""},
       {"b:set_rotation(0.70710678, 0, 0, 0.70710678) expect.angle(b, 0.1, 0.2)",
        "expected an angle of 0.1 rad, got 1.570"},
-      {kFloor + "expect.contact(b, nil, 2)", ""},
-      {kFloor + "world:step(60) expect.contact(b, nil, {0.5, 0.8})", ""},
-      {kFloor + "world:step(60) expect.contact(b, b)", "expected contact with body \"b\" from 0 to 1 s, got none"},
-      {kFloor + "expect.contact(b, nil, {0, 0.3})", "expected contact with anything from 0 to 0.3 s, got none"},
-      {kFloor + "expect.no_contact(b, nil, {0, 0.3})", ""},
-      {kFloor + "world:step(60) expect.no_contact({b})",
+      {kGround + "expect.contact(b, nil, 2)", ""},
+      {kGround + "world:step(60) expect.contact(b, nil, {0.5, 0.8})", ""},
+      {kGround + "world:step(60) expect.contact(b, b)", "expected contact with body \"b\" from 0 to 1 s, got none"},
+      {kGround + "expect.contact(b, nil, {0, 0.3})", "expected contact with anything from 0 to 0.3 s, got none"},
+      {kGround + "expect.no_contact(b, nil, {0, 0.3})", ""},
+      {kGround + "world:step(60) expect.no_contact({b})",
        "one of 1 objects: expected no contact with anything from 0 to"},
-      {kFloor + "world:step(60) b:set_position(0, 9, 0) world:step(1) expect.no_contact(b, nil, {1.02, 1.1})", ""},
+      {kGround + "world:step(60) b:set_position(0, 9, 0) world:step(1) expect.no_contact(b, nil, {1.02, 1.1})", ""},
       {"expect.finite(0.1)", ""},
-      {kFloor + "expect.max_penetration(0.01, 2)", ""},
-      {kFloor + "expect.max_penetration(1e-9, 2)", "penetration: expected at most 1e-09 m during 2 s, got"},
+      {kGround + "expect.max_penetration(0.01, 2)", ""},
+      {kGround + "expect.max_penetration(1e-9, 2)", "penetration: expected at most 1e-09 m during 2 s, got"},
       {"expect.momentum({0, 0, 0}, 1e-6)", ""},
       {"expect.momentum({0, 0, 0}, 1, 0.1)", "momentum: expected (0, 0, 0) kg m/s during 0.1 s, got (0, -163.5"},
       {"b:set_angular_velocity(0, 6, 0) expect.angular_momentum({0, 1000, 0}, 1, 0.2)", ""},
@@ -111,7 +111,7 @@ TEST_CASE("physics expectations hold where they should and say why not elsewhere
 }
 
 TEST_CASE("soft things are tested too", "[lua][expect]") {
-  CHECK(failures_of(kFloor +
+  CHECK(failures_of(kGround +
                     "local cloth = world:cloth{ size = {1, 1}, resolution = {5, 5}, position = {3, 1, 0}, pins "
                     "= 'top' } expect.inside(cloth, {{-5, -1, -5}, {5, 5, 5}}) expect.settles(cloth, 30, 0.2)")
             .empty());

@@ -26,6 +26,19 @@ inline Real gap_along(const Shape& a, const Pose& pa, const Shape& b, const Pose
   return dot(n, sb - sa) - a.radius() - b.radius();
 }
 
+struct Hit {
+  int count = 0;
+  Manifold m[kMaxManifolds];
+};
+
+inline Hit collide(const Shape& a, const Pose& pa, const Shape& b, const Pose& pb, Real margin) {
+  static const NarrowPhase narrow("auto");
+  PairCache cache;
+  Hit hit;
+  hit.count = narrow.collide(a, pa, b, pb, margin, cache, hit.m);
+  return hit;
+}
+
 inline Real deepest(const Manifold* m, int count) {
   Real s = kInfinity;
   for (int i = 0; i < count; ++i)

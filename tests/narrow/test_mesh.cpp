@@ -31,19 +31,6 @@ ShapePtr tiles(int n, Real side, const Height& height) {
   return make_mesh(v, t);
 }
 
-struct Hit {
-  int count = 0;
-  Manifold m[kMaxManifolds];
-};
-
-Hit collide(const Shape& a, const Pose& pa, const Shape& b, const Pose& pb, Real margin) {
-  static const NarrowPhase narrow("auto");
-  PairCache cache;
-  Hit hit;
-  hit.count = narrow.collide(a, pa, b, pb, margin, cache, hit.m);
-  return hit;
-}
-
 }  // namespace
 
 TEST_CASE("shapes sliding over flush triangles are pushed straight up", "[narrow][mesh]") {

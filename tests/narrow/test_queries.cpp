@@ -8,19 +8,6 @@ using namespace feder;
 
 namespace {
 
-struct Hit {
-  int count = 0;
-  Manifold m[kMaxManifolds];
-};
-
-Hit collide(const Shape& a, const Pose& pa, const Shape& b, const Pose& pb, Real margin) {
-  static const NarrowPhase narrow("auto");
-  PairCache cache;
-  Hit hit;
-  hit.count = narrow.collide(a, pa, b, pb, margin, cache, hit.m);
-  return hit;
-}
-
 Real distance(const Shape& a, const Vec3& at, const Shape& b) { return closest_points(a, {at, {}}, b, {}).distance; }
 
 }  // namespace

@@ -6,10 +6,10 @@ using namespace feder;
 
 namespace {
 
-std::vector<std::string> trace;
+std::vector<std::string> order;
 
 void write(void* self, StepContext& c) {
-  trace.push_back(static_cast<const char*>(self) + std::string(" ") + std::to_string(c.inner.group) +
+  order.push_back(static_cast<const char*>(self) + std::string(" ") + std::to_string(c.inner.group) +
                   std::to_string(c.inner.index) + (c.inner.last() ? "!" : ""));
 }
 void choose(void*, StepContext& c) { c.counts(Loop::surface).count = {2, 0, 1}; }
@@ -49,18 +49,18 @@ TEST_CASE("a plan runs its ranks in order, each group its whole loop before the 
   add(plan, after(Rank::body_forces), "after");
   add(plan, Rank::body_forces, "forces");
   add(plan, before(Rank::body_forces), "before");
-  plan.add(Rank::cloth_forces, "choose", "test", &choose, &trace);
+  plan.add(Rank::cloth_forces, "choose", "test", &choose, &order);
   plan.finish();
   StepContext c;
   c.substeps = 2;
-  trace.clear();
+  order.clear();
   plan.run(c);
   const std::vector<std::string> substep = {"before 00!",  "forces 00!", "after 00!",   "advance 00", "rows 00",
                                             "advance 01!", "rows 01!",   "advance 20!", "rows 20!"};
   std::vector<std::string> expected = substep;
   expected.insert(expected.end(), substep.begin(), substep.end());
   expected.push_back("finish 00!");
-  CHECK(trace == expected);
+  CHECK(order == expected);
 
   const auto nodes = plan.nodes();
   const PlanNode& loop = nodes[find(plan, "surface substeps")];
@@ -81,9 +81,9 @@ TEST_CASE("passes of loops are counted always and clocked sometimes; counters ou
     plan.clear();
     plan.add(
         Rank::cloth_forces, "choose", "test", [](void*, StepContext& c) { c.counts(Loop::surface).count = {100}; },
-        &trace);
+        &order);
     plan.add(
-        Rank::surface_rows, "rows", "test", [](void*, StepContext&) {}, &trace);
+        Rank::surface_rows, "rows", "test", [](void*, StepContext&) {}, &order);
     plan.finish();
   };
   fill();
@@ -109,11 +109,11 @@ TEST_CASE("passes between steps run when asked for, up to the rank that was aske
   plan.finish();
   CHECK(plan.nodes().size() == 1);  // of a step
   StepContext c;
-  trace.clear();
+  order.clear();
   plan.run(c);
-  CHECK(trace == std::vector<std::string>{"begin 00!"});
+  CHECK(order == std::vector<std::string>{"begin 00!"});
   plan.run_queries(Rank::query_colliders, c);
-  CHECK(trace.size() == 2);
+  CHECK(order.size() == 2);
   plan.run_queries(Rank::query_boundary, c);
-  CHECK(trace == std::vector<std::string>{"begin 00!", "colliders 00!", "colliders 00!", "walls 00!"});
+  CHECK(order == std::vector<std::string>{"begin 00!", "colliders 00!", "colliders 00!", "walls 00!"});
 }

@@ -6,7 +6,6 @@
 #include "support/catch.h"
 
 using feder::test::Outcome;
-using feder::test::Program;
 
 namespace {
 
@@ -47,7 +46,7 @@ return feder.scene { title = "All kinds", seconds = 1, picture = 0.5, camera = {
 }  // namespace
 
 TEST_CASE("render writes a PNG of the asked size", "[view][files]") {
-  const Program p;
+  const feder::test::Program p;
   p.write("scene.lua", kScene);
   const Outcome o = p.run("render scene.lua -o a.png --size 200x120 --show contacts,labels");
   INFO(o.err);
@@ -60,7 +59,7 @@ TEST_CASE("render writes a PNG of the asked size", "[view][files]") {
 }
 
 TEST_CASE("render writes GIFs, folders of frames, and sheets", "[view][files]") {
-  const Program p;
+  const feder::test::Program p;
   p.write("many/scene.lua", kScene);
   p.write("many/other.lua", kScene);
   p.write("many/broken.lua",
@@ -81,7 +80,7 @@ TEST_CASE("render writes GIFs, folders of frames, and sheets", "[view][files]") 
 }
 
 TEST_CASE("mistakes on the command line are named", "[view][files]") {
-  const Program p;
+  const feder::test::Program p;
   p.write("scene.lua", kScene);
   const auto fails = [&](const std::string& arguments, const std::string& words) {
     const Outcome o = p.run(arguments);
@@ -100,7 +99,7 @@ TEST_CASE("mistakes on the command line are named", "[view][files]") {
 }
 
 TEST_CASE("rendering does not change a run", "[view][files]") {
-  const Program p;
+  const feder::test::Program p;
   p.write("scene.lua", std::string(kScene).insert(
                            std::string(kScene).rfind("build ="),
                            "update = function(world) if world:step_count() == 30 then print(world:hash()) end end,\n"));
@@ -116,7 +115,7 @@ TEST_CASE("rendering does not change a run", "[view][files]") {
 }
 
 TEST_CASE("exported glTF is what the specification says", "[view][files]") {
-  const Program p;
+  const feder::test::Program p;
   p.write("scene.lua", kScene);
   for (const std::string name : {"a.gltf", "a.glb"}) {
     const Outcome o = p.run("export scene.lua -o " + name + " --fps 10");
@@ -158,7 +157,7 @@ TEST_CASE("exported glTF is what the specification says", "[view][files]") {
 }
 
 TEST_CASE("OBJ and PLY of a moment", "[view][files]") {
-  const Program p;
+  const feder::test::Program p;
   p.write("scene.lua", kScene);
   REQUIRE(p.run("export scene.lua -o a.obj --at 0.1").status == 0);
   const std::string obj = p.read("a.obj");

@@ -8,7 +8,6 @@
 #include "support/catch.h"
 
 using feder::test::Outcome;
-using feder::test::Program;
 
 namespace {
 
@@ -99,7 +98,7 @@ return feder.scene { title = "Points", seconds = 0.2, picture = 0.1,
 }  // namespace
 
 TEST_CASE("export writes particles and points as VTK", "[view][files]") {
-  const Program p;
+  const feder::test::Program p;
   p.write("scene.lua", kPoints);
   const Outcome o = p.run("export scene.lua -o a.vtp --at 0");
   INFO(o.err);
@@ -130,7 +129,7 @@ TEST_CASE("export writes particles and points as VTK", "[view][files]") {
 }
 
 TEST_CASE("a series of VTK files has an index with the times", "[view][files]") {
-  const Program p;
+  const feder::test::Program p;
   p.write("scene.lua", kPoints);
   p.write("bodies.lua",
           "local feder = require 'feder'\nreturn feder.scene { build = function(world) world:body { shape = "
@@ -156,7 +155,7 @@ TEST_CASE("a series of VTK files has an index with the times", "[view][files]") 
 }
 
 TEST_CASE("exports and pictures that cannot be written fail, and leave what was there", "[view][files]") {
-  const Program p;
+  const feder::test::Program p;
   p.write("scene.lua", kPoints);
   for (const std::string ending : {"gltf", "glb", "obj", "ply", "vtp", "png", "gif"}) {
     const std::string command = ending == "png" || ending == "gif" ? "render" : "export";
