@@ -1,7 +1,7 @@
 // A hierarchy of axis-aligned boxes over a fixed set of items (triangles, edges): built once by halving along the
 // longest side, refitted when the items move, built anew when the refitted tree has grown loose. Queries descend two
-// levels at a time (four boxes are compared together). Answers come in ascending order of the tree's leaves, the same
-// for any thread count.
+// levels at a time, and four boxes are compared together, there as in the leaves. Answers come in ascending order of
+// the tree's leaves, the same for any thread count.
 #pragma once
 #include <algorithm>
 #include <bit>
@@ -9,6 +9,7 @@
 #include <span>
 
 #include "bounds/box_query.h"
+#include "feder/error.h"
 #include "feder/memory.h"
 #include "feder/types.h"
 
@@ -18,13 +19,13 @@ namespace feder {
 // items (closed boxes), each once. Allocates only when items outnumber every earlier call.
 class BoxTree {
  public:
-  explicit BoxTree(Arena& a) : nodes_(&a), fours_(&a), items_(&a), sort_(&a), leaves_(&a), sorted_(&a) {}
+  explicit BoxTree(Arena& a) : nodes_(&a), fours_(&a), blocks_(&a), items_(&a), sort_(&a), leaves_(&a) {}
 
   void build(std::span<const Aabb> boxes);
   // The same items in new places; builds anew when the tree's surface has grown by half.
   void refit(std::span<const Aabb> boxes);
   // The items in the order of the leaves, ascending within each. An owner who stores its items in that order calls
-  // number_in_order: item k is the k-th from then on, and visits are ascending.
+  // number_in_order: item k is the k-th from then on, and visits are ascending; `pairs` needs a refit first.
   std::span<const std::uint32_t> order() const { return {items_.data(), items_.size()}; }
   void number_in_order();
   bool empty() const { return items_.empty(); }
@@ -36,18 +37,17 @@ class BoxTree {
   void query(const Aabb& box, F&& visit) const {
     if (fours_.empty()) return;
     const Around around(box);
-    const BoxQuery single(box);
     std::uint32_t stack[2 * kDepth];  // up to three a level, of which there are half as many
     int top = 0;
     stack[top++] = 0;
     while (top > 0) {
       const std::uint32_t at = stack[--top];
       if (at & kLeafBit) {
-        query_leaf(at & kFirstMask, (at >> kCountShift & (kLeaf - 1)) + 1, single, visit);
+        query_leaf(at & kFirstMask, (at >> kCountShift & (kLeaf - 1)) + 1, around, visit);
         continue;
       }
       const Four& f = fours_[at];
-      for (unsigned hit = overlapping(f.side[0], 4, around); hit != 0;) {
+      for (unsigned hit = overlapping(f, around); hit != 0;) {
         const unsigned k = static_cast<unsigned>(std::bit_width(hit)) - 1;  // the last first: it waits longest
         stack[top++] = f.child[k], hit ^= 1u << k;
       }
@@ -58,6 +58,7 @@ class BoxTree {
   void pairs(F&& visit) {
     constexpr std::uint32_t kTogether = 8;  // neighbours in number are so in space: one descent for a few of them
     const auto count = static_cast<std::uint32_t>(items_.size());
+    FEDER_ASSERT(boxes_.size() == count);
     leaves_.reserve(count);
     for (std::uint32_t first = 0; first < count; first += kTogether) {
       const std::uint32_t end = std::min(first + kTogether, count);
@@ -68,7 +69,7 @@ class BoxTree {
       descend([&](const Node& n) { return n.last > first && query.meets(n.box); },
               [&](const Node& n) { leaves_.push_back(static_cast<std::uint32_t>(&n - nodes_.data())); });
       for (std::uint32_t a = first; a < end; ++a) {
-        const BoxQuery own(boxes_[a]);
+        const Around own(boxes_[a]);
         for (const std::uint32_t leaf : leaves_)
           if (const Node& n = nodes_[leaf]; n.last > a && overlaps(n.box, boxes_[a]))
             query_leaf(n.first, n.count, own, [&](std::uint32_t b) {
@@ -87,7 +88,7 @@ class BoxTree {
   }
 
  private:
-  static constexpr std::uint32_t kLeaf = 4;
+  static constexpr std::uint32_t kLeaf = 8, kBlock = 4;  // only the last leaf is not full: see split
   static constexpr int kDepth = 64;
   struct Node {
     Aabb box;
@@ -95,9 +96,14 @@ class BoxTree {
     std::uint32_t count = 0;  // leaf: items; else 0
     std::uint32_t last = 0;   // largest item below
   };
-  static constexpr std::uint32_t kLeafBit = 0x80000000u, kFirstMask = 0x1fffffffu, kCountShift = 29;
-  struct Four {              // up to four nodes below one, in order; unused: boxes of NaN
-    Real side[6][4];         // x from, x to, y from ...
+  static constexpr std::uint32_t kLeafBit = 0x80000000u, kFirstMask = 0x0fffffffu, kCountShift = 28;
+  struct Block {      // four boxes; unused: of NaN, which overlaps nothing
+    Real side[6][4];  // x from, x to, y from ...
+    void put(int k, const Aabb& box) {
+      for (int d = 0; d < 3; ++d) side[2 * d][k] = box.lo[d], side[2 * d + 1][k] = box.hi[d];
+    }
+  };
+  struct Four : Block {      // up to four nodes below one, in order
     std::uint32_t node[4];   // in nodes_
     std::uint32_t child[4];  // in fours_; a leaf: kLeafBit, its items less one, and its first item
   };
@@ -129,12 +135,12 @@ class BoxTree {
     }
     Sides lo[3], hi[3];
   };
-  // Four boxes against one, a bit each: their x from at `side`, x to `next` numbers on, and so forth.
-  static unsigned overlapping(const Real* side, std::size_t next, const Around& box) {
+  // Four boxes against one, a bit each.
+  static unsigned overlapping(const Block& four, const Around& box) {
     auto overlap = Sides{} == Sides{};
-    for (int d = 0; d < 3; ++d, side += 2 * next) {
+    for (int d = 0; d < 3; ++d) {
       Sides lo, hi;
-      std::memcpy(&lo, side, sizeof lo), std::memcpy(&hi, side + next, sizeof hi);
+      std::memcpy(&lo, four.side[2 * d], sizeof lo), std::memcpy(&hi, four.side[2 * d + 1], sizeof hi);
       overlap &= (lo <= box.hi[d]) & (hi >= box.lo[d]);
     }
 #if defined(__SSE__) && !defined(FEDER_REAL_DOUBLE)
@@ -146,9 +152,10 @@ class BoxTree {
 #endif
   }
   template <class F>
-  void query_leaf(std::uint32_t first, std::uint32_t count, const BoxQuery& box, F&& visit) const {
-    for (std::uint32_t k = first; k < first + count; ++k)
-      if (box.meets(sorted_[k])) visit(items_[k]);
+  void query_leaf(std::uint32_t first, std::uint32_t count, const Around& box, F&& visit) const {
+    for (std::uint32_t k = first; k < first + count; k += kBlock)
+      for (unsigned hit = overlapping(blocks_[k / kBlock], box); hit != 0; hit &= hit - 1)
+        visit(items_[k + static_cast<unsigned>(std::countr_zero(hit))]);
   }
   void split(std::uint32_t node);
   void join_levels();
@@ -158,11 +165,11 @@ class BoxTree {
   Real cost() const;
 
   Array<Node> nodes_;
-  Array<Four> fours_;  // the same tree, two levels at a time
+  Array<Four> fours_;    // the same tree, two levels at a time
+  Array<Block> blocks_;  // boxes of the items, in that order
   Array<std::uint32_t> items_;
   Array<Middle> sort_;           // in the order of items_
   Array<std::uint32_t> leaves_;  // of the descent under way
-  Array<Aabb> sorted_;           // boxes of the items, in that order
   std::span<const Aabb> boxes_;
   Real built_cost_ = 0;
 };

@@ -61,7 +61,7 @@ class Mesh final : public Shape {
   Real distance(const Vec3& p, Real limit, Vec3& normal) const override;
   ShapeArguments arguments() const override;
   void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const override;
-  Triangle triangle(std::uint32_t i) const override { return triangles_[i]; }
+  const Triangle& triangle(std::uint32_t i) const override { return triangles_[i]; }
   std::span<const ShapeSurface> surfaces() const override { return surfaces_; }
 
  private:

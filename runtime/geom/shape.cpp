@@ -23,7 +23,10 @@ int Shape::face(const Vec3& direction, Vec3* points) const {
 
 void Shape::triangles_in(const Aabb&, void (*)(void*, std::uint32_t), void*) const {}
 
-Triangle Shape::triangle(std::uint32_t) const { return {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()}; }
+const Triangle& Shape::triangle(std::uint32_t) const {
+  static const Triangle none{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  return none;
+}
 
 std::span<const CompoundPart> Shape::parts() const { return {}; }
 std::span<const ShapeSurface> Shape::surfaces() const { return {}; }

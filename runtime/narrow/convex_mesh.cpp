@@ -227,7 +227,7 @@ bool add_points(MeshContact& mc, const Patch& patch, const Vec3& normal, std::ui
 }
 
 void collide_triangle(MeshContact& mc, std::uint32_t index) {
-  const Triangle t = mc.mesh.triangle(index);
+  const Triangle& t = mc.mesh.triangle(index);
   Vec3 front;
   Facing facing;
   if (!near_triangle(mc, t, front, facing)) return;

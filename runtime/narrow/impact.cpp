@@ -226,7 +226,7 @@ void meet_mesh(Pair& p) {
   } visit{p, way_of_core(p), reach_of(p.b)};
   const auto each = [](void* context, std::uint32_t index) {
     Visit& v = *static_cast<Visit*>(context);
-    const Triangle t = v.p.b.shape->triangle(index);
+    const Triangle& t = v.p.b.shape->triangle(index);
     Aabb box;
     for (const Vec3& corner : {t.a, t.b, t.c}) box.include(corner);
     if (!overlaps(box, v.way.box) || stays_off(v.way, t)) return;

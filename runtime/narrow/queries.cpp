@@ -71,7 +71,7 @@ bool cast_mesh(const Convex& a, const Pose& pose_a, const Vec3& motion, Real siz
   MeshCast cast{a, pose_a, motion, size, mesh, pose_b, hit, false};
   const auto visit = [](void* context, std::uint32_t index) {
     MeshCast& c = *static_cast<MeshCast*>(context);
-    const Triangle t = c.mesh.triangle(index);
+    const Triangle& t = c.mesh.triangle(index);
     const Vec3 corners[3] = {t.a, t.b, t.c};
     if (cast_convex(c.a, c.pose_a, c.motion, c.size, Convex(corners, 3), c.pose_b, c.hit)) c.found = true;
   };

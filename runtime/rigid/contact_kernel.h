@@ -115,8 +115,8 @@ struct Sides {
 }
 
 [[gnu::always_inline]] inline void write_back(const ContactPass& p, const ContactBatch& c, Sides& s) {
-  scatter(p.bodies, c.index_a, c.writes_a, s.a);
-  scatter(p.bodies, c.index_b, c.writes_b, s.b);
+  if (c.writes_a) scatter(p.bodies, c.index_a, c.writes_a, s.a);
+  if (c.writes_b) scatter(p.bodies, c.index_b, c.writes_b, s.b);
 }
 
 [[gnu::always_inline]] inline Lanes reciprocal_or_zero(Lanes k) {
@@ -402,6 +402,7 @@ void solve_some(const ContactPass& p, unsigned first) {
 }
 
 // Sudden load: friction rotates the bodies, which shifts the normal impulses, which limit friction. Further rounds.
+template <int kCount>
 [[gnu::noinline]] void relax_loaded(const ContactPass& p, unsigned i) {
   ContactBatch& c = p.batches[i];
   BatchExtra& extra = p.extras[i];
@@ -411,7 +412,7 @@ void solve_some(const ContactPass& p, unsigned first) {
   gather_displacement(p, c, s[0]);
   const Frame f[1] = {frame_of(c)};
   for (unsigned round = 1; round < kLoadRounds; ++round) {
-    solve_normals<false, kBatchPoints, 1>(p, i, f, s, held);
+    solve_normals<false, kCount, 1>(p, i, f, s, held);
     if (c.rolls) relax_rolling(c, extra, held[0], s[0]);
     relax_twist(f[0], c, s[0]);
     if (!relax_friction<false>(f[0], c, extra, held[0], s[0])) break;
@@ -450,7 +451,7 @@ void relax_some(const ContactPass& p, unsigned first) {
   });
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) { write_back(p, c[i], s[i]); });
   each_up<0, kWide>([&](auto i) __attribute__((always_inline)) {
-    if (again[i]) relax_loaded(p, first + i);
+    if (again[i]) relax_loaded<kCount>(p, first + i);
     add_totals<kCount>(c[i], side[i], all_lanes(1));
   });
 }

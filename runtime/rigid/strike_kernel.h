@@ -37,11 +37,16 @@ void mark_strikes(const ContactPass& p) {
     const ContactBatch& c = p.batches[i];
     StrikeBatch& strike = p.strikes[i];
     if (p.struck && p.wave > 1 && !strike.acts && !was_struck(p, c)) continue;
+    strike.acts = 0;
     Sides s;
     gather_velocity(p, c, s);
-    gather_displacement(p, c, s);
     const Frame f = frame_of(c);
-    const Closing speeds = speeds_of(f, c, s), displacements = displacements_of(f, c, s);
+    const Closing speeds = speeds_of(f, c, s);
+    Lanes fastest = zero;
+    for (unsigned j = 0; j < c.points; ++j) fastest = min(fastest, point_closing(c.point[j], speeds));
+    if (!any(fastest < all_lanes(-p.bounce_speed))) continue;
+    gather_displacement(p, c, s);
+    const Closing displacements = displacements_of(f, c, s);
     const Lanes bouncing = p.all_strike ? one : select(load(p.sides[i].restitution) > zero, one, zero);
     Lanes some = zero;
     for (unsigned j = 0; j < c.points; ++j) {

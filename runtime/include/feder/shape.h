@@ -134,7 +134,7 @@ class Shape {
   // Meshes only. Calls visit(context, triangle index) for triangles whose box overlaps `local` (shape frame), in
   // ascending order.
   virtual void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const;
-  virtual Triangle triangle(std::uint32_t index) const;
+  virtual const Triangle& triangle(std::uint32_t index) const;
 
   // The half-space n.x <= d, n unit: true and both for a plane.
   virtual bool half_space(Vec3& /*normal*/, Real& /*distance*/) const { return false; }
