@@ -17,6 +17,8 @@ BOUNDS = {
 # how much faster two threads are, and how their time compares with the better rival's
 SPEEDUPS = {"large_pyramid": 1.7, "many_pyramids": 1.7, "joint_grid": 1.6, "washer": 1.5}
 BETTER_RIVAL = .9
+# time per body in a large scene over that in a small one
+GROWTH = (("pyramid_50", "pyramid_200", 1.6),)
 # end state of feder: a column, at most
 STATES = {"heavy_chains": ("joint_error_m", 1e-3), "washer": ("overlap_m", .2), "large_pyramid": ("speed_m_s", .05)}
 
@@ -74,6 +76,18 @@ def print_threads(rows):
         table(("faster than one", "engine", "threads", "times", "over the better rival"), lines)
 
 
+def print_growth(rows):
+    lines = []
+    for small, large, most in GROWTH:
+        for (scene, engine, threads), row in rows.items():
+            other = rows.get((small, engine, threads))
+            if scene == large and threads == 1 and other:
+                growth = row["processor_ms"] / row["bodies"] / (other["processor_ms"] / other["bodies"])
+                lines.append((f"{large} over {small}", engine, verdict(growth, most if engine == "feder" else None)))
+    if lines:
+        table(("time per body", "engine", "times"), lines)
+
+
 def print_aims(rows):
     lines = [(scene, column, f"{rows[scene, 'feder', 1][column]:.3g}", f"{most:g}",
               "ok" if rows[scene, "feder", 1][column] <= most else "ABOVE")
@@ -83,5 +97,5 @@ def print_aims(rows):
 
 
 def print_all(rows):
-    for part in (print_states, print_ratios, print_threads, print_aims):
+    for part in (print_states, print_ratios, print_threads, print_growth, print_aims):
         part(rows)

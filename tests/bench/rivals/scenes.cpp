@@ -26,9 +26,10 @@ void add_pyramid(Scene& scene, std::uint32_t cube, int base, float x, float z) {
     }
 }
 
-void large_pyramid(Scene& scene) {
+template <int kBase>
+void pyramid(Scene& scene) {
   add_floor(scene, 400);
-  add_pyramid(scene, scene.add(box(1, 1, 1)), 100, 0, 0);
+  add_pyramid(scene, scene.add(box(1, 1, 1)), kBase, 0, 0);
 }
 
 void many_pyramids(Scene& scene) {
@@ -223,7 +224,9 @@ void heavy_chains(Scene& scene) {
     }
 }
 
-constexpr SceneRow kScenes[] = {{"large_pyramid", 200, large_pyramid},
+constexpr SceneRow kScenes[] = {{"large_pyramid", 200, pyramid<100>},
+                                {"pyramid_50", 100, pyramid<50>},  // how time grows with size
+                                {"pyramid_200", 50, pyramid<200>},
                                 {"many_pyramids", 100, many_pyramids},
                                 {"square_pyramid", 500, square_pyramid},
                                 {"wall", 600, wall},
