@@ -93,6 +93,7 @@ struct ContactPass {
   BatchExtra* extras;
   const BatchInput* input;  // of the batch `first`, alone; for `prepare`
   unsigned first, last;     // range of batches
+  unsigned fetched;         // the next ones are asked for in time up to here; 0 where caches hold them all
   WideReal* bodies;         // SolverBody as 16 numbers each
   const WideMass* masses;
   WideReal h, inv_h;

@@ -276,6 +276,9 @@ ContactPass ContactGroup::pass() const {
   p.sides = sides_;
   p.extras = extras_;
   p.strikes = strikes_;
+  // beyond that, a pass waits for memory: processors do not see far enough ahead by themselves
+  constexpr std::size_t kCached = 1'000'000;  // bytes
+  p.fetched = batch_count_ * sizeof(ContactBatch) > kCached ? batch_count_ : 0;
   return p;
 }
 

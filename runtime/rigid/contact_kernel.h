@@ -8,6 +8,7 @@
 // the manifold's centre with static and dynamic limit, plus twist about the normal (limit: sum of normal impulse x
 // distance).
 #pragma once
+#include "base/prefetch.h"
 #include "feder/error.h"
 #include "rigid/contact_batch.h"
 
@@ -461,6 +462,7 @@ template <class F>
 [[gnu::always_inline]] inline void each_some(const ContactPass& p, F&& f) {
   const auto call = [&](auto count, unsigned i) __attribute__((always_inline)) {
     const ContactBatch &c = p.batches[i], &d = p.batches[i + 1];
+    if (i + 4 <= p.fetched) prefetch(p.batches[i + 2]), prefetch(p.batches[i + 3]);
     if (!c.last_of_color && i + 1 < p.last && d.points == c.points && d.rounds == c.rounds)
       return f(count, Index<2>{}, i), 2u;
     return f(count, Index<1>{}, i), 1u;
