@@ -37,7 +37,8 @@ TELLING = (("large_pyramid", "box3d"), ("large_pyramid", "jolt"), ("large_pyrami
 ENGINES = {"box3d": "Box3D", "jolt": "Jolt", "bullet": "Bullet"}
 QUIET = .05  # of the machine's processor time, taken by other processes
 # of the end state of each scene, what tells most: column, its factor, text around the number
-TELLS = {"large_pyramid": ("top_m", 1, "top at {:.2f} m"), "many_pyramids": ("overlap_m", 1e3, "overlap {:.1f} mm"),
+TELLS = {"large_pyramid": ("top_m", 1, "top at {:.2f} m"), "pyramid_50": ("top_m", 1, "top at {:.2f} m"),
+         "pyramid_200": ("overlap_m", 1e3, "overlap {:.1f} mm"), "many_pyramids": ("overlap_m", 1e3, "overlap {:.1f} mm"),
          "square_pyramid": ("overlap_m", 1e3, "overlap {:.1f} mm"), "wall": ("drift_m", 1e2, "drift {:.1f} cm"),
          "columns": ("moved", 1, "{:.0f} of 500 moved"), "washer": ("overlap_m", 1e3, "overlap {:.0f} of 400 mm"),
          "convex_fall": ("lost", 1, "{:.0f} lost"), "convex_pile": ("lost", 1, "{:.0f} lost"),
