@@ -1,20 +1,12 @@
 // Points of nets and vertices of cloths attached to a body far from their place: they come to it, and it is not thrown.
 #include <cmath>
 
-#include "contact/surface_contact.h"
-#include "couple/cloth_rigid.h"
-#include "couple/springs_rigid.h"
-#include "couple/surface_rigid.h"
-#include "feder/world.h"
+#include "couple/all_but_fluid.h"
 #include "support/catch.h"
 
 using namespace feder;
 
 namespace {
-
-const SystemDescriptor* const kAllButFluid[] = {
-    &Collide::descriptor(),      &Rigid::descriptor(), &Springs::descriptor(),      &SurfaceContact::descriptor(),
-    &SurfaceRigid::descriptor(), &Cloth::descriptor(), &SpringsRigid::descriptor(), &ClothRigid::descriptor()};
 
 // A square of 5 x 5 points, 1 m wide: 1 kg as net, 0.2 kg as cloth.
 ObjectId add_net(World& w) {

@@ -1,20 +1,12 @@
 // Every residual of cloth, nets and their contacts with bodies: made to be something, and right.
 #include <cmath>
 
-#include "contact/surface_contact.h"
-#include "couple/cloth_rigid.h"
-#include "couple/springs_rigid.h"
-#include "couple/surface_rigid.h"
-#include "feder/world.h"
+#include "couple/all_but_fluid.h"
 #include "support/catch.h"
 
 using namespace feder;
 
 namespace {
-
-const SystemDescriptor* const kResidualCatalog[] = {
-    &Collide::descriptor(),      &Rigid::descriptor(), &Springs::descriptor(),    &SurfaceContact::descriptor(),
-    &SurfaceRigid::descriptor(), &Cloth::descriptor(), &ClothRigid::descriptor(), &SpringsRigid::descriptor()};
 
 WorldDesc weightless() {
   WorldDesc d;
@@ -41,7 +33,7 @@ ClothDesc square(std::uint32_t n, Real size) {
 }  // namespace
 
 TEST_CASE("cloth.max_strain is that of the longest edge", "[couple][residuals]") {
-  World w(weightless(), kResidualCatalog);
+  World w(weightless(), kAllButFluid);
   Cloth& cloth = w.need<Cloth>();
   const ObjectId id = cloth.add_cloth(square(3, 1));
   CHECK(std::fabs(residual(w, "cloth.max_strain")) < 1e-6);
@@ -52,7 +44,7 @@ TEST_CASE("cloth.max_strain is that of the longest edge", "[couple][residuals]")
 TEST_CASE("cloth.small_steps and cloth.row_updates count the work of a step", "[couple][residuals]") {
   double updates[2] = {0, 0};
   for (int k = 0; k < 2; ++k) {
-    World w(weightless(), kResidualCatalog);
+    World w(weightless(), kAllButFluid);
     ClothDesc d = square(3, 1);
     d.substeps = k ? 7 : 1;
     const ObjectId id = w.need<Cloth>().add_cloth(d);
@@ -67,7 +59,7 @@ TEST_CASE("cloth.small_steps and cloth.row_updates count the work of a step", "[
 TEST_CASE("contact.guarded and contact.widened: 0 where nothing meets, more where cloth strikes cloth",
           "[couple][residuals]") {
   const bool strikes = GENERATE(false, true);
-  World w(weightless(), kResidualCatalog);
+  World w(weightless(), kAllButFluid);
   Cloth& cloth = w.need<Cloth>();
   for (int k = 0; k < 2; ++k) {
     ClothDesc d = square(7, 1);
@@ -87,7 +79,7 @@ TEST_CASE("contact.guarded and contact.widened: 0 where nothing meets, more wher
 }
 
 TEST_CASE("cloth.sleeping and cloth.quarantined count cloths", "[couple][residuals]") {
-  World w(weightless(), kResidualCatalog);
+  World w(weightless(), kAllButFluid);
   Cloth& cloth = w.need<Cloth>();
   ObjectId id[3];
   for (ObjectId& i : id) {
@@ -109,7 +101,7 @@ TEST_CASE("cloth_rigid.penetration_m is the depth that is there at the end of th
   SECTION("of pinned vertices and triangles between them") {
     const double depth = GENERATE(-0.01, 0.002, 0.043, 0.2);
     const int kind = GENERATE(0, 1, 2);
-    World w(wd, kResidualCatalog);
+    World w(wd, kAllButFluid);
     BodyDesc b;
     b.type = BodyType::fixed;
     b.shape = kind == 0 ? make_sphere(Real(0.3)) : kind == 1 ? make_box(1, Real(0.6), 1) : make_capsule(Real(0.3), 1);
@@ -126,7 +118,7 @@ TEST_CASE("cloth_rigid.penetration_m is the depth that is there at the end of th
     CHECK(residual(w, "cloth_rigid.penetration_m") == Approx(std::max(depth + half, 0.0)).margin(2e-5));
   }
   SECTION("of a free sheet that starts inside: while it is being pushed out") {
-    World w(wd, kResidualCatalog);
+    World w(wd, kAllButFluid);
     BodyDesc b;
     b.type = BodyType::fixed;
     b.shape = make_box(2, Real(0.6), 2);
@@ -149,7 +141,7 @@ TEST_CASE("cloth_rigid.penetration_m is the depth that is there at the end of th
 }
 
 TEST_CASE("cloth_rigid.attachment_error_m and springs_rigid.attachment_error_m are distances", "[couple][residuals]") {
-  World w(weightless(), kResidualCatalog);
+  World w(weightless(), kAllButFluid);
   BodyDesc b;
   b.shape = make_sphere(Real(0.1));
   b.position = Vec3(0, 5, 0);
@@ -171,7 +163,7 @@ TEST_CASE("cloth_rigid.attachment_error_m and springs_rigid.attachment_error_m a
 }
 
 TEST_CASE("contact: pairs that may touch, what was passed on, and that both sides got it", "[couple][residuals]") {
-  World w(weightless(), kResidualCatalog);
+  World w(weightless(), kAllButFluid);
   Cloth& cloth = w.need<Cloth>();
   const auto add = [&](Real y, Real speed) {
     ClothDesc d = square(6, Real(0.5));
@@ -205,7 +197,7 @@ TEST_CASE("contact: pairs that may touch, what was passed on, and that both side
 }
 
 TEST_CASE("springs: strain, quarantined nets, ends at one spot, solves that missed", "[couple][residuals]") {
-  World w(weightless(), kResidualCatalog);
+  World w(weightless(), kAllButFluid);
   Springs& springs = w.need<Springs>();
   NetDesc n;
   n.points = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)};
@@ -228,7 +220,7 @@ TEST_CASE("springs: strain, quarantined nets, ends at one spot, solves that miss
 
 TEST_CASE("springs.unconverged_solves counts solves that ended at their cap", "[couple][residuals]") {
   const int iterations = GENERATE(2, 50);
-  World w(weightless(), kResidualCatalog);
+  World w(weightless(), kAllButFluid);
   Springs& springs = w.need<Springs>();
   NetDesc n;
   n.points = {Vec3(0, 0, 0), Vec3(3, 0, 0), Vec3(0, 3, 0)};
