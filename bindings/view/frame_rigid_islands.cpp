@@ -44,7 +44,7 @@ class IslandSource final : public FrameSource {
     for (const std::uint32_t slot : collide.contacts().order) {
       const Contact& contact = collide.contacts().slots[slot];
       const std::uint32_t a = contact.collider_a, b = contact.collider_b;
-      if (!contact.touching || contact.sensor) continue;
+      if (!contact.touching) continue;
       if (colliders.owner[a] == ColliderOwner::body && colliders.owner[b] == ColliderOwner::body)
         link(bodies, colliders.owner_index[a], colliders.owner_index[b]);
     }

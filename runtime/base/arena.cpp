@@ -16,15 +16,21 @@
 namespace feder {
 namespace {
 
-constexpr std::size_t kLine = 64;               // a cache line, and the widest vector
-constexpr std::size_t kLargeBlock = 256 << 10;  // B
+constexpr std::size_t kLine = 64;              // a cache line, and the widest vector
+constexpr std::size_t kPage = 4096;            // at least
+constexpr std::size_t kLargeBlock = 64 << 10;  // B: a page more or less is nothing
 
+#if FEDER_PAGES
+bool is_large(std::size_t bytes, std::size_t alignment) { return bytes >= kLargeBlock && alignment <= kLine; }
+#endif
+
+// A large block that begins a line after a page is no mapping: the system allows so many of these to a process.
 void* take_block(std::size_t bytes, std::size_t alignment) {
 #if FEDER_PAGES
-  if (bytes >= kLargeBlock && alignment <= 4096) {
+  if (is_large(bytes, alignment)) {
     void* p = mmap(nullptr, bytes, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    if (p == MAP_FAILED) throw std::bad_alloc();
-    return p;
+    if (p != MAP_FAILED) return p;
+    return static_cast<std::byte*>(::operator new(bytes + kLine, std::align_val_t(kPage))) + kLine;
   }
 #endif
   return ::operator new(bytes, std::align_val_t(alignment));
@@ -32,8 +38,11 @@ void* take_block(std::size_t bytes, std::size_t alignment) {
 
 void give_block_back(void* p, [[maybe_unused]] std::size_t bytes, std::size_t alignment) {
 #if FEDER_PAGES
-  if (bytes >= kLargeBlock && alignment <= 4096) {
-    munmap(p, bytes);
+  if (is_large(bytes, alignment)) {
+    if (reinterpret_cast<std::uintptr_t>(p) % kPage == 0)
+      munmap(p, bytes);
+    else
+      ::operator delete(static_cast<std::byte*>(p) - kLine, std::align_val_t(kPage));
     return;
   }
 #endif

@@ -22,7 +22,7 @@ enum class BoxMotion : std::uint8_t { absent, still, moving };  // absent: skipp
 //  - the pairs are exactly the overlapping ones (closed boxes) with at least one moving member, sorted;
 //  - so equal boxes give equal pairs in equal order, whatever was asked before;
 //  - boxes may be unbounded (planes).
-// Allocates only when boxes or pairs outnumber every earlier call.
+// Allocates only when boxes or pairs outnumber every call of late.
 class BroadPhase {
  public:
   virtual ~BroadPhase() = default;

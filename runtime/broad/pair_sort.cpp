@@ -1,5 +1,5 @@
 // Counting sort by `a`, then each short run by `b`.
-// Source: Knuth, "The Art of Computer Programming" vol. 3 (1973), 5.2. Kept between calls: work arrays. Weak spot: the
+// Source: Knuth, "The Art of Computer Programming" vol. 3 (1973), 5.2. Kept between calls: work arrays, empty. Weak spot: the
 // counting walks all indices, so few pairs among many boxes are sorted by comparison.
 #include "broad/pair_sort.h"
 

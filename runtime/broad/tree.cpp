@@ -49,6 +49,7 @@ class Tree final : public BroadPhase {
     for (const std::uint32_t i : touched) boxes_[i] = boxes[i];
     pair_side(boxes, motion, touched, jobs);
     write_pairs(boxes, pairs, jobs);
+    trim();
   }
 
   void query(const Aabb& box, Array<std::uint32_t>& found) const override {
@@ -182,9 +183,8 @@ class Tree final : public BroadPhase {
 
   // All candidates with a member in changed_, each once: of two changed boxes the lower index reports.
   void query_changed(JobPool& jobs) {
-    found_.clear();
     while (found_by_.size() < static_cast<std::size_t>(jobs.threads())) found_by_.emplace_back(arena_);
-    for (Array<IndexPair>& found : found_by_) found.clear(), found.reserve(found_.capacity());
+    for (Array<IndexPair>& found : found_by_) found.reserve(found_.capacity());
     const auto count = static_cast<std::uint32_t>(changed_.size());
     jobs.for_blocks(count, kQueryGrain, [&](std::uint32_t first, std::uint32_t last, int worker) {
       Array<IndexPair>& found = found_by_[static_cast<std::size_t>(worker)];
@@ -236,12 +236,21 @@ class Tree final : public BroadPhase {
   }
 
   void merge_candidates(JobPool& jobs) {
-    if (changed_.empty()) found_.clear();
     filter_candidates(
         jobs, [&](const IndexPair& p) { return !leaves_[p.a].changed && !leaves_[p.b].changed && one_moves(p); });
     merge_filtered(found_, candidates_);
     merged_.reserve(candidates_.capacity());  // both grow together, so that nothing allocates later
     for (const std::uint32_t i : changed_) leaves_[i].changed = 0;
+  }
+
+  // What a step with many new pairs needed.
+  void trim() {
+    const bool much = found_slack_.clear(found_);
+    for (Array<IndexPair>& found : found_by_) {
+      found.clear();
+      if (much) Array<IndexPair>(arena_).swap(found);
+    }
+    sorter_.trim();
   }
 
   bool one_moves(const IndexPair& p) const {
@@ -282,6 +291,7 @@ class Tree final : public BroadPhase {
   Array<Transfer> transfers_;
   Array<IndexPair> candidates_, found_, merged_, side_pairs_;
   std::vector<Array<IndexPair>> found_by_;  // by worker
+  Slack found_slack_;
   Array<std::uint32_t> in_block_;           // pairs that stay
   PairSort sorter_;
   int refits_ = 0;  // since the tree was built

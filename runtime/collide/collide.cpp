@@ -144,9 +144,9 @@ void Collide::hash(Hash& h) const {
   const std::vector<ContactEntry> all = impl_->all_entries();
   h.add(static_cast<std::uint64_t>(all.size()));
   for (const ContactEntry& e : all) {
-    const Contact& contact = impl_->contacts->slots[e.slot];
     h.add(e.a), h.add(e.b), h.add(e.sub), h.add(static_cast<std::uint16_t>(e.bits & (kTouching | kReported | kNear)));
-    if (contact.point_count == 0) continue;
+    if (e.slot == kNone) continue;
+    const Contact& contact = impl_->contacts->slots[e.slot];
     if (contact.surface) h.add(contact.surface);
     h.add(contact.normal);
     for (int k = 0; k < contact.point_count; ++k) {
@@ -179,7 +179,7 @@ void Collide::load(Reader& r) {
   m.examined.resize(m.seen.size());
   for (std::uint32_t i = 0; i < m.examined.size(); ++i) m.examined[i] = i;
   m.examine_all = true;
-  m.relist_resting();
+  m.contacts->resting.relist(m.colliders->size());
 }
 
 }  // namespace feder

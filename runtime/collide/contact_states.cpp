@@ -32,6 +32,7 @@ ContactFinding Collide::Impl::finding(const ContactEntry& e) const {
   bool flipped;
   n.key = key(e, flipped);
   n.index = net_point(e);
+  if (e.slot == kNone) return n;
   const Contact& contact = contacts->slots[e.slot];
   Real deepest = kInfinity;
   for (int k = 0; k < contact.point_count; ++k) {
@@ -57,13 +58,13 @@ void Collide::Impl::check_watched() {
   for (const std::uint32_t i : watched) {
     FEDER_ASSERT(i < entries.size() && (entries[i].bits & kWatch));
     ContactEntry& e = entries[i];
-    const Contact& contact = contacts->slots[e.slot];
     const bool reported = e.bits & kReported;
-    const Real margin = memory[entries[i - e.sub].slot].margin;
+    const Real margin = memory[e.pair].margin;
     Real nearest = kInfinity, impulse = 0;
-    for (int k = 0; k < contact.point_count; ++k) {
-      nearest = std::min(nearest, contact.points[k].separation);
-      impulse += contact.points[k].total_impulse;
+    for (int k = 0; e.slot != kNone && k < contacts->slots[e.slot].point_count; ++k) {
+      const ContactPoint& p = contacts->slots[e.slot].points[k];
+      nearest = std::min(nearest, p.separation);
+      impulse += p.total_impulse;
     }
     // reported contacts are watched only when farther than kContactEnd
     const bool in_contact = (!reported && nearest <= kContactBegin * margin) || impulse > 0;
@@ -77,8 +78,8 @@ void Collide::Impl::check_watched() {
 void Collide::Impl::report_stay() {
   for (const ContactEntry& e : entries) {
     if ((e.bits & (kTested | kReported | kSensorPair)) != (kTested | kReported)) continue;
+    if (e.slot == kNone || (!colliders->awake[e.a] && !colliders->awake[e.b])) continue;
     const Contact& contact = contacts->slots[e.slot];
-    if (contact.point_count == 0 || (!colliders->awake[e.a] && !colliders->awake[e.b])) continue;
     ContactFinding n = finding(e);
     const Vec3 va =
         colliders->velocity[e.a] + cross(colliders->angular_velocity[e.a], n.point - colliders->center[e.a]);

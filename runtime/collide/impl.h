@@ -35,10 +35,11 @@ inline constexpr Real kRecycleDistance = Real(1) / 8;  // of the margin
 inline constexpr Real kRecycleAngle = Real(0.01);  // rad
 inline constexpr Real kRotateNormal = Real(1e-4);  // rad
 
-// One manifold slot in the sorted list of contacts. What the serial passes read stays in these 16 bytes.
+// A manifold that a pair has or may have, in the sorted list. What the serial passes read stays in these 20 bytes.
 struct ContactEntry {
   std::uint32_t a = kNone, b = kNone;  // colliders
-  std::uint32_t slot = kNone;          // in Contacts::slots and `memory`
+  std::uint32_t pair = kNone;          // number in `memory`, the same for all entries of a pair
+  std::uint32_t slot = kNone;          // in Contacts::slots and `bases`; kNone while it has no points
   std::uint16_t sub = 0;
   std::uint16_t bits = 0;
 };
@@ -57,21 +58,31 @@ enum EntryBits : std::uint16_t {
   kMany = 256,     // the pair has kMaxManifolds entries
   kSensorIsB = 512,
   kAgainstScenery = 2048,  // one side is dynamic, the other is not
-  kResting = 1024,         // of both sides neither moves: in Contacts::resting, not in `entries`
+  kResting = 1024,         // set in Contacts::resting, never in `entries`
 };
 
-// The last real narrow test of a contact, for recycling. No padding: written to snapshots as bytes.
-struct ContactMemory {
+// The last real narrow test of a pair, for recycling. No padding: written to snapshots as bytes.
+struct PairMemory {
   PairCache cache;
-  std::uint16_t valid = 0;      // may be recycled
-  std::uint16_t resting = 0;    // bits of the entry while it rests, else 0
+  std::uint32_t valid = 0;      // may be recycled
   std::uint32_t about_a = 0;    // a is the smaller one
   Real extent = 0;              // of the smaller one from its centre of mass, m
   Real margin = 0;              // m
   Vec3 between = Vec3::Zero();  // from centre of mass a to b, m
   Quat rotation_a, rotation_b;
-  Real base[kMaxContactPoints] = {0, 0, 0, 0};  // separations, m
+};
+
+// A contact as that test found it.
+struct ContactBase {
+  Real separation[kMaxContactPoints] = {0, 0, 0, 0};  // m
   Vec3 normal = Vec3::Zero();
+};
+
+// A contact of which no slot is known yet: tests run in parallel, slots are taken in the order of entries.
+struct NewContact {
+  std::uint32_t entry = 0;
+  Contact contact;
+  ContactBase base;
 };
 
 // A collider as it was in the last step: differences make its pairs tested again.
@@ -106,7 +117,8 @@ struct Exclusion {
 
 static_assert(sizeof(ContactPoint) == 10 * sizeof(Real) + (sizeof(Real) == 8 ? 8 : 4));
 static_assert(sizeof(Contact) == 16 + 16 * sizeof(Real) + kMaxContactPoints * sizeof(ContactPoint));
-static_assert(sizeof(ContactMemory) == 16 + 20 * sizeof(Real));
+static_assert(sizeof(PairMemory) == 16 + 13 * sizeof(Real));
+static_assert(kMaxContacts == kMaxManifolds);
 static_assert(sizeof(SeenCollider) == 24 + 6 * sizeof(Real));
 
 struct Collide::Impl {
@@ -123,29 +135,36 @@ struct Collide::Impl {
   bool is_conveyor(std::uint32_t i) const;
   void compare_collider(std::uint32_t i);
   void compare_motion(std::uint32_t i);
-  void merge_pairs();
+  std::size_t unchanged_entries(std::size_t& pair) const;
+  bool merge_pairs();
   bool may_collide(std::uint32_t a, std::uint32_t b) const;
-  bool keep(const ContactEntry& e, bool reported);
+  bool keep(const ContactEntry& e, bool reported) const;
   void create(std::uint32_t a, std::uint32_t b);
   void release(const ContactEntry& e);
   void write_order();
 
   // resting.cpp
-  ContactEntry resting_entry(std::uint32_t slot) const;
-  void rest(const ContactEntry& e);
-  ContactEntry unrest(std::uint32_t slot);
+  template <class F>
+  void each_resting_entry(std::uint32_t pair, F&& f) const {
+    const RestingPair& p = contacts->resting.pairs[pair];
+    for (std::uint16_t sub = 0; sub < kMaxContacts && p.bits[sub]; ++sub)
+      f(ContactEntry{p.a, p.b, pair, p.contact[sub], sub, static_cast<std::uint16_t>(p.bits[sub] & ~kResting)});
+  }
+  void rest(std::span<const ContactEntry> group);
   void take_resting(std::uint32_t collider);
   bool merge_returning();
   void return_woken();
-  void relist_resting();
   // Contacts that satisfy `wanted`, with those at rest, sorted.
   template <class F>
   std::vector<ContactEntry> listed_entries(F&& wanted) const {
     std::vector<ContactEntry> list;
     std::copy_if(entries.begin(), entries.end(), std::back_inserter(list), wanted);
     if (contacts->resting.count == 0) return list;
-    for (std::uint32_t slot = 0; slot < memory.size(); ++slot)
-      if (memory[slot].resting && wanted(resting_entry(slot))) list.push_back(resting_entry(slot));
+    contacts->resting.each([&](std::uint32_t pair) {
+      each_resting_entry(pair, [&](const ContactEntry& e) {
+        if (wanted(e)) list.push_back(e);
+      });
+    });
     std::sort(list.begin(), list.end(), in_order);
     return list;
   }
@@ -154,17 +173,19 @@ struct Collide::Impl {
 
   // update.cpp
   void fetch(const ContactEntry& e) const;
-  void test_pair(std::uint32_t head, Real dt);
+  void test_pair(std::uint32_t head, Real dt, Array<NewContact>& found);
   void test_sensor(ContactEntry& e);
   bool recycle(std::span<const ContactEntry> group);
-  std::uint32_t test_fresh(std::span<const ContactEntry> group, Real margin, Real dt);
-  void write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit,
+  std::uint32_t test_fresh(std::span<const ContactEntry> group, Real margin, Real dt, Array<NewContact>& found);
+  void write_manifold(Contact& contact, ContactBase& base, const Manifold& m, std::span<const Contact> old, Real limit,
                       const Vec3& ahead);
   struct Side;
   Side side_of(const Contact& contact, std::uint32_t i) const;
   void mix(Contact& contact) const;
-  void check_contact(ContactEntry& e, Real margin, Real dt);
+  void check_contact(ContactEntry& e, Contact& contact, Real margin, Real dt);
   void stay_apart(ContactEntry& e);
+  bool take_slots();
+  bool free_slots();
   void list_arrivals();
   void list_active(StepContext& c);
 
@@ -203,8 +224,8 @@ struct Collide::Impl {
   template <class C, class F>
   static void each_saved(C& c, F&& f) {
     for_each_of(f, c.contacts->slots, c.contacts->order, c.contacts->free_list, c.contacts->active,
-                c.contacts->active_pairs, c.seen, c.entries, c.memory, c.exclusions, c.recheck_filters,
-                c.recheck_surfaces, c.material_pairs, c.material_numbers);
+                c.contacts->active_pairs, c.contacts->resting.pairs, c.bases, c.seen, c.entries, c.memory, c.free_pairs,
+                c.exclusions, c.recheck_filters, c.recheck_surfaces, c.material_pairs, c.material_numbers);
   }
 
   Arena& arena;
@@ -222,8 +243,15 @@ struct Collide::Impl {
   Array<IndexPair> pairs{&arena};
   Array<SeenCollider> seen{&arena};                           // by collider
   Array<ContactEntry> entries{&arena}, next_entries{&arena};  // sorted by (a, b, sub)
+  Slack next_slack;                                           // of next_entries
   Array<ContactEntry> returning{&arena};                      // from rest
-  Array<ContactMemory> memory{&arena};                        // by slot
+  Array<PairMemory> memory{&arena};                           // by number of the pair
+  Array<std::uint32_t> free_pairs{&arena};                    // numbers
+  Array<ContactBase> bases{&arena};                           // by slot
+  std::vector<Array<NewContact>> found_by;                    // by worker
+  Array<const NewContact*> found_in_order{&arena};
+  std::vector<Slack> found_by_slack;
+  Slack found_slack;
   Array<SeamEntry> seam_entries{&arena};                      // sorted by body
   Array<std::uint32_t> watched{&arena};                       // indices in `entries`
   Array<Exclusion> exclusions{&arena};                        // sorted

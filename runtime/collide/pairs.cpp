@@ -136,7 +136,7 @@ bool Collide::Impl::may_collide(std::uint32_t a, std::uint32_t b) const {
 }
 
 // Whether the contact of the last step stays. `reported`: the broad phase found the pair too.
-bool Collide::Impl::keep(const ContactEntry& e, bool reported) {
+bool Collide::Impl::keep(const ContactEntry& e, bool reported) const {
   const Colliders& c = *colliders;
   if (!reported) {
     if (motion[e.a] != BoxMotion::still || motion[e.b] != BoxMotion::still) return false;
@@ -155,76 +155,81 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
   // several manifolds: only shapes that are neither convex nor a half-space
   const auto meshlike = [&](std::uint32_t i) { return !c.shape[i]->convex() && seen[i].extent < kInfinity; };
   const bool many = !sensor && (meshlike(a) || meshlike(b));
-  ContactMemory fresh;
-  fresh.about_a = seen[a].extent <= seen[b].extent;
-  fresh.extent = std::min(seen[a].extent, seen[b].extent);
-  fresh.margin = std::min(kSpeculative, kSpeculativeShare * fresh.extent);
-  const std::uint32_t count = many ? kMaxManifolds : 1;
-  for (std::uint32_t sub = 0; sub < count; ++sub) {
-    const std::uint32_t slot = take_index(contacts->free_list, contacts->slots.size(), [&] {
-      contacts->slots.emplace_back();
-      memory.emplace_back();
-    });
-    Contact& contact = contacts->slots[slot];
-    FEDER_ASSERT(contact.collider_a == kNone && contact.point_count == 0);  // free until now
-    contact.collider_a = a, contact.collider_b = b, contact.sensor = sensor;
-    contact.sub = static_cast<std::uint16_t>(sub);
-    memory[slot] = fresh;
-    const bool scenery = (c.motion[a] == ColliderMotion::dynamic) != (c.motion[b] == ColliderMotion::dynamic);
-    const int bits = kNew | (scenery && !sensor ? kAgainstScenery : 0) | (many ? kMany : 0) |
-                     (sensor ? kSensorPair : 0) | (c.sensor[b] ? kSensorIsB : 0);
-    next_entries.push_back({a, b, slot, static_cast<std::uint16_t>(sub), static_cast<std::uint16_t>(bits)});
-  }
+  const std::uint32_t pair = take_index(free_pairs, memory.size(), [&] { memory.emplace_back(); });
+  PairMemory& m = memory[pair];
+  m = {};
+  m.about_a = seen[a].extent <= seen[b].extent;
+  m.extent = std::min(seen[a].extent, seen[b].extent);
+  m.margin = std::min(kSpeculative, kSpeculativeShare * m.extent);
+  const bool scenery = (c.motion[a] == ColliderMotion::dynamic) != (c.motion[b] == ColliderMotion::dynamic);
+  const int bits = kNew | (scenery && !sensor ? kAgainstScenery : 0) | (many ? kMany : 0) | (sensor ? kSensorPair : 0) |
+                   (c.sensor[b] ? kSensorIsB : 0);
+  const int count = many ? kMaxManifolds : 1;
+  for (int sub = 0; sub < count; ++sub)
+    next_entries.push_back({a, b, pair, kNone, static_cast<std::uint16_t>(sub), static_cast<std::uint16_t>(bits)});
 }
 
-// Frees the slot; a contact that was reported gets its end event.
+// Frees its slot, and with the first entry of a pair its number; a contact that was reported gets its end event.
 void Collide::Impl::release(const ContactEntry& e) {
   if (e.bits & kReported) count(e, -1);
+  if (e.sub == 0) free_pairs.push_back(e.pair);
+  if (e.slot == kNone) return;
   FEDER_ASSERT(contacts->slots[e.slot].collider_a == e.a && contacts->slots[e.slot].sub == e.sub);
   contacts->slots[e.slot] = Contact{};
-  FEDER_ASSERT(memory[e.slot].resting == 0);
-  memory[e.slot] = ContactMemory{};
   contacts->free_list.push_back(e.slot);
 }
 
-void Collide::Impl::merge_pairs() {
-  bool changed = merge_returning();
-  next_entries.clear();
+// How many entries at the front stay as they are; `pair`: the first of `pairs` that comes after them.
+std::size_t Collide::Impl::unchanged_entries(std::size_t& pair) const {
   std::size_t n = 0;
+  for (pair = 0; pair < pairs.size(); ++pair) {
+    const bool known = n < entries.size() && entries[n].a == pairs[pair].a && entries[n].b == pairs[pair].b;
+    const bool gone = n < entries.size() && IndexPair{entries[n].a, entries[n].b} < pairs[pair];
+    if (gone || (known ? !keep(entries[n], true) : may_collide(pairs[pair].a, pairs[pair].b))) break;
+    if (known) n += entries[n].bits & kMany ? kMaxManifolds : 1;
+  }
+  return n;
+}
+
+// Returns whether `entries` has changed.
+bool Collide::Impl::merge_pairs() {
+  const bool returned = merge_returning();
+  std::size_t first_pair;
+  const std::size_t unchanged = unchanged_entries(first_pair);
+  std::size_t n = unchanged;
   const auto drop_or_keep = [&](bool reported) {
-    const ContactEntry head = entries[n];
-    FEDER_ASSERT(head.sub == 0);
-    const bool kept = keep(head, reported);
-    for (; n < entries.size() && entries[n].a == head.a && entries[n].b == head.b; ++n) {
-      if (!kept)
-        release(entries[n]);
-      else if (reported)
-        next_entries.push_back(entries[n]);
-      else
-        rest(entries[n]);
+    FEDER_ASSERT(entries[n].sub == 0);
+    const bool kept = keep(entries[n], reported);
+    const std::span<const ContactEntry> group(&entries[n], entries[n].bits & kMany ? kMaxManifolds : 1);
+    n += group.size();
+    if (kept && !reported) rest(group);
+    for (const ContactEntry& e : group) {
+      if (!kept) release(e);
+      if (kept && reported) next_entries.push_back(e);
     }
-    changed = changed || !kept || !reported;
     return kept;
   };
-  for (const IndexPair& p : pairs) {
-    FEDER_ASSERT(&p == pairs.data() || *(&p - 1) < p);
+  for (std::size_t k = first_pair; k < pairs.size(); ++k) {
+    const IndexPair& p = pairs[k];
+    FEDER_ASSERT(k == 0 || pairs[k - 1] < p);
     while (n < entries.size() && IndexPair{entries[n].a, entries[n].b} < p) drop_or_keep(false);
     const bool known = n < entries.size() && entries[n].a == p.a && entries[n].b == p.b;
     if (known && drop_or_keep(true)) continue;
-    if (!may_collide(p.a, p.b)) continue;
-    create(p.a, p.b);
-    changed = true;
+    if (may_collide(p.a, p.b)) create(p.a, p.b);
   }
   while (n < entries.size()) drop_or_keep(false);
-  entries.swap(next_entries);
-  next_entries.reserve(entries.capacity());
   recheck_filters = false;
-  if (changed) write_order();
+  const bool changed = unchanged < entries.size() || !next_entries.empty();
+  entries.resize(unchanged);
+  entries.insert(entries.end(), next_entries.begin(), next_entries.end());
+  next_slack.clear(next_entries);
+  return returned || changed;
 }
 
 void Collide::Impl::write_order() {
-  contacts->order.resize(entries.size());
-  for (std::size_t i = 0; i < entries.size(); ++i) contacts->order[i] = entries[i].slot;
+  contacts->order.clear();
+  for (const ContactEntry& e : entries)
+    if (e.slot != kNone) contacts->order.push_back(e.slot);
 }
 
 }  // namespace feder

@@ -95,7 +95,7 @@ void Collide::overlap(const Shape& shape, const Pose& pose, const QueryFilter& f
 
 Real Collide::max_penetration() const {
   Real deepest = 0;
-  for (const Contact& contact : impl_->contacts->slots)  // free ones and sensors have no points
+  for (const Contact& contact : impl_->contacts->slots)  // free ones have no points
     for (int k = 0; k < contact.point_count; ++k) deepest = std::max(deepest, -contact.points[k].separation);
   return deepest;
 }

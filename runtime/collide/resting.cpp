@@ -1,41 +1,36 @@
-// Resting contacts: those whose two sides both lie still. They leave `entries`, so that no pass of a step sees them,
-// and wait in lists by collider until a side moves, is changed or is removed. Everything that is read from these lists
-// is sorted by (a, b, sub) first: the order in which contacts came to rest decides nothing. Kept between steps: their
-// bits, beside the manifold memory; snapshots hold those, and the lists follow from them. Source: sleeping sets, Catto,
-// "Solver sets" (Box2D v3 / Box3D notes, 2024); written from the idea.
+// Resting pairs: those whose two sides both lie still. They leave `entries`, so that no pass of a step sees them, and
+// wait in lists by collider until a side moves, is changed or is removed. Everything that is read from these lists is
+// sorted by (a, b, sub) first: the order in which pairs came to rest decides nothing. Kept between steps: their entries;
+// snapshots hold those, and the lists follow from them. Source: sleeping sets, Catto, "Solver sets" (Box2D v3 / Box3D
+// notes, 2024); written from the idea.
 #include <algorithm>
 
 #include "collide/impl.h"
 
 namespace feder {
 
-ContactEntry Collide::Impl::resting_entry(std::uint32_t slot) const {
-  const Contact& contact = contacts->slots[slot];
-  const std::uint16_t bits = memory[slot].resting;
-  FEDER_ASSERT(bits & kResting);
-  return {contact.collider_a, contact.collider_b, slot, contact.sub, static_cast<std::uint16_t>(bits & ~kResting)};
-}
-
-void Collide::Impl::rest(const ContactEntry& e) {
+// The entries of a pair.
+void Collide::Impl::rest(std::span<const ContactEntry> group) {
   constexpr std::uint16_t kOfStep = kTested | kWatch | kArrived;
-  FEDER_ASSERT(memory[e.slot].resting == 0 && !(e.bits & kSensorPair));
-  memory[e.slot].resting = static_cast<std::uint16_t>((e.bits & ~kOfStep) | kResting);
-  if ((seen[e.a].bits | seen[e.b].bits) & kSurfaceChanged) mix(contacts->slots[e.slot]);
-  contacts->resting.reserve(colliders->size(), contacts->slots.size());
-  contacts->resting.add(e.slot, e.a, e.b);
+  const ContactEntry& head = group[0];
+  const bool mixes = (seen[head.a].bits | seen[head.b].bits) & kSurfaceChanged;
+  RestingPair p{head.a, head.b};
+  for (const ContactEntry& e : group) {
+    FEDER_ASSERT(e.pair == head.pair && !(e.bits & kSensorPair) && (e.slot != kNone) == ((e.bits & kTouching) != 0));
+    p.contact[e.sub] = e.slot;
+    p.bits[e.sub] = static_cast<std::uint16_t>((e.bits & ~kOfStep) | kResting);
+    if (mixes && e.slot != kNone) mix(contacts->slots[e.slot]);
+  }
+  contacts->resting.reserve(colliders->size(), memory.size());
+  contacts->resting.add(head.pair, p);
 }
 
-// The contact at rest in `slot` is an entry again.
-ContactEntry Collide::Impl::unrest(std::uint32_t slot) {
-  const ContactEntry e = resting_entry(slot);
-  contacts->resting.remove(slot, e.a, e.b);
-  memory[slot].resting = 0;
-  return e;
-}
-
-// The resting contacts of a collider into `returning`.
+// The resting pairs of a collider into `returning`.
 void Collide::Impl::take_resting(std::uint32_t collider) {
-  contacts->resting.each_of(collider, [&](std::uint32_t slot) { returning.push_back(unrest(slot)); });
+  contacts->resting.each_of(collider, [&](std::uint32_t pair) {
+    each_resting_entry(pair, [&](const ContactEntry& e) { returning.push_back(e); });
+    contacts->resting.remove(pair);
+  });
 }
 
 // Merges `returning` into `entries`; false when there was nothing to merge.
@@ -45,7 +40,7 @@ bool Collide::Impl::merge_returning() {
   next_entries.resize(entries.size() + returning.size());
   std::merge(entries.begin(), entries.end(), returning.begin(), returning.end(), next_entries.begin(), in_order);
   entries.swap(next_entries);
-  next_entries.reserve(entries.capacity());
+  next_slack.clear(next_entries);
   returning.clear();
   return true;
 }
@@ -60,15 +55,6 @@ void Collide::Impl::return_woken() {
   watched.clear();
   for (std::uint32_t i = 0; i < entries.size(); ++i)
     if ((entries[i].bits & (kTested | kWatch | kSensorPair)) == (kTested | kWatch)) watched.push_back(i);
-}
-
-// After a load: the lists, from the bits.
-void Collide::Impl::relist_resting() {
-  RestingContacts& resting = contacts->resting;
-  resting.clear();
-  resting.reserve(colliders->size(), contacts->slots.size());
-  for (std::uint32_t slot = 0; slot < memory.size(); ++slot)
-    if (memory[slot].resting) resting.add(slot, contacts->slots[slot].collider_a, contacts->slots[slot].collider_b);
 }
 
 std::vector<ContactEntry> Collide::Impl::all_entries() const {

@@ -91,11 +91,11 @@ std::uint32_t Collide::Impl::ghosts_of(const ContactEntry& e, std::span<const Se
     const Real closest = closest_of(contacts->slots[near.slot]);
     for (int k = 0; k < contact.point_count; ++k) {
       const ContactPoint& p = contact.points[k];
-      if (p.separation < -kDeep * memory[e.slot].margin) continue;
+      if (p.separation < -kDeep * memory[e.pair].margin) continue;
       const Real parallel = p.separation > 0 && p.separation > closest ? kAhead : kParallel;
       if (along > parallel) continue;
       const Vec3 at = c.center[e.a] + p.arm_a - normal * (p.separation / 2);
-      if (is_ghost(c, b, other, {at, normal, memory[e.slot].margin, parallel})) ghosts |= 1u << k;
+      if (is_ghost(c, b, other, {at, normal, memory[e.pair].margin, parallel})) ghosts |= 1u << k;
     }
   }
   return ghosts;
@@ -103,16 +103,16 @@ std::uint32_t Collide::Impl::ghosts_of(const ContactEntry& e, std::span<const Se
 
 void Collide::Impl::leave_out(ContactEntry& e, std::uint32_t ghosts, Real dt) {
   Contact& contact = contacts->slots[e.slot];
-  ContactMemory& m = memory[e.slot];
+  ContactBase& base = bases[e.slot];
   int kept = 0;
   for (int k = 0; k < contact.point_count; ++k) {
     if (ghosts >> k & 1u) continue;
-    contact.points[kept] = contact.points[k], m.base[kept] = m.base[k];
+    contact.points[kept] = contact.points[k], base.separation[kept] = base.separation[k];
     ++kept;
   }
-  for (int k = kept; k < contact.point_count; ++k) contact.points[k] = {}, m.base[k] = 0;
+  for (int k = kept; k < contact.point_count; ++k) contact.points[k] = {}, base.separation[k] = 0;
   contact.point_count = static_cast<std::uint8_t>(kept);
-  check_contact(e, m.margin, dt);
+  check_contact(e, contact, memory[e.pair].margin, dt);
   if (!(e.bits & kNear)) e.bits &= static_cast<std::uint16_t>(~kArrived);
 }
 

@@ -79,25 +79,66 @@ const ContactPoint* old_point(const ContactPoint& p, std::span<const Contact> ol
 
 // Slots lie in no order of the entries: what is tested soon is on its way to the cache meanwhile.
 void Collide::Impl::fetch(const ContactEntry& e) const {
-  if (e.sub == 0 || (e.bits & kTouching)) prefetch(memory[e.slot]);
+  if (e.sub == 0) prefetch(memory[e.pair]);
+  if (e.slot != kNone) prefetch(bases[e.slot]);
 }
 
 void Collide::Impl::collide(StepContext& c) {
-  merge_pairs();
+  bool changed = merge_pairs();
   const std::uint32_t count = static_cast<std::uint32_t>(entries.size());
   constexpr std::uint32_t kAhead = 8;     // pairs with a mesh have kMaxManifolds entries each
   constexpr JobGrain kGrain{64, 10'000};  // contacts; a third of that when all are recycled
-  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+  while (found_by.size() < static_cast<std::size_t>(c.jobs->threads())) found_by.emplace_back(&arena), found_by_slack.emplace_back();
+  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int worker) {
     for (std::uint32_t i = first; i < last; ++i) {
       if (i + kAhead < count) fetch(entries[i + kAhead]);
-      if (entries[i].sub == 0) test_pair(i, c.dt);
+      if (entries[i].sub == 0) test_pair(i, c.dt, found_by[static_cast<std::size_t>(worker)]);
     }
   });
+  changed |= take_slots();
   leave_out_ghosts(c);
+  changed |= free_slots();
+  if (changed) write_order();
   list_arrivals();
 }
 
-void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
+// Contacts that have their first points get slots.
+bool Collide::Impl::take_slots() {
+  found_in_order.clear();
+  for (const Array<NewContact>& found : found_by)
+    for (const NewContact& f : found) found_in_order.push_back(&f);
+  std::sort(found_in_order.begin(), found_in_order.end(),
+            [](const NewContact* x, const NewContact* y) { return x->entry < y->entry; });
+  for (const NewContact* f : found_in_order) {
+    const std::uint32_t slot = take_index(contacts->free_list, contacts->slots.size(), [&] {
+      contacts->slots.emplace_back();
+      bases.emplace_back();
+    });
+    FEDER_ASSERT(contacts->slots[slot].collider_a == kNone && entries[f->entry].slot == kNone);  // free until now
+    contacts->slots[slot] = f->contact;
+    bases[slot] = f->base;
+    entries[f->entry].slot = slot;
+  }
+  const bool any = !found_in_order.empty();
+  found_slack.clear(found_in_order);
+  for (std::size_t i = 0; i < found_by.size(); ++i) found_by_slack[i].clear(found_by[i]);
+  return any;
+}
+
+// Contacts that have lost their points give them back.
+bool Collide::Impl::free_slots() {
+  bool any = false;
+  for (ContactEntry& e : entries) {
+    if (e.slot == kNone || (e.bits & kTouching)) continue;
+    contacts->slots[e.slot] = Contact{};
+    contacts->free_list.push_back(e.slot);
+    e.slot = kNone;
+    any = true;
+  }
+  return any;
+}
+
+void Collide::Impl::test_pair(std::uint32_t head, Real dt, Array<NewContact>& found) {
   constexpr std::uint16_t kOfStep = kTested | kWatch | kArrived;
   const Colliders& c = *colliders;
   const std::uint32_t count = entries[head].bits & kMany ? kMaxManifolds : 1;
@@ -111,7 +152,7 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
   if (group[0].bits & kSensorPair) return test_sensor(group[0]);
   FEDER_ASSERT(is_new || c.awake[a] || c.awake[b] || (seen_bits & (kChanged | kSettled)));  // else it rests
   // shapes or filters changed: margins anew
-  ContactMemory& m = memory[group[0].slot];
+  PairMemory& m = memory[group[0].pair];
   if (seen_bits & kChanged) {
     m.valid = 0;
     m.about_a = seen[a].extent <= seen[b].extent;
@@ -119,23 +160,25 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt) {
     m.margin = std::min(kSpeculative, kSpeculativeShare * m.extent);
   }
   const bool ahead = !(group[0].bits & kTouching) && may_pass(a, b, dt);
-  const std::uint32_t written = !ahead && recycle(group) ? 0 : test_fresh(group, m.margin, dt);
+  std::size_t next = found.size();
+  const std::uint32_t written = !ahead && recycle(group) ? 0 : test_fresh(group, m.margin, dt, found);
   for (std::size_t k = 0; k < group.size(); ++k) {
     ContactEntry& e = group[k];
     if (!(e.bits & kTouching) && !(written >> k & 1u)) {
       stay_apart(e);
       continue;
     }
-    Contact& contact = contacts->slots[e.slot];
+    if (e.slot == kNone) found[next].entry = head + static_cast<std::uint32_t>(k);
+    Contact& contact = e.slot == kNone ? found[next++].contact : contacts->slots[e.slot];
     if (contact.fresh || (seen_bits & (kSurfaceChanged | kConveyor))) mix(contact);
-    check_contact(e, m.margin, dt);
+    check_contact(e, contact, m.margin, dt);
   }
 }
 
 // Sensors are exact: only a pair that did not move at all keeps its answer.
 void Collide::Impl::test_sensor(ContactEntry& e) {
   const Colliders& c = *colliders;
-  ContactMemory& m = memory[e.slot];
+  PairMemory& m = memory[e.pair];
   const Vec3 between = c.center[e.b] - c.center[e.a];
   const Quat &ra = c.pose[e.a].rotation, &rb = c.pose[e.b].rotation;
   const bool changed = (seen[e.a].bits | seen[e.b].bits) & kChanged;
@@ -145,14 +188,13 @@ void Collide::Impl::test_sensor(ContactEntry& e) {
   m.between = between;
   m.rotation_a = ra, m.rotation_b = rb;
   const bool hit = shapes_overlap(narrow, *c.shape[e.a], c.pose[e.a], *c.shape[e.b], c.pose[e.b]);
-  contacts->slots[e.slot].touching = hit;
   e.bits = static_cast<std::uint16_t>(hit ? e.bits | kTouching : e.bits & ~kTouching);
 }
 
 // Recycling; false when the pair moved too far since its last real test.
 bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
   const Colliders& c = *colliders;
-  const ContactMemory& m = memory[group[0].slot];
+  const PairMemory& m = memory[group[0].pair];
   if (!m.valid) return false;
   const std::uint32_t a = group[0].a, b = group[0].b;
   const Vec3 rotation_a = small_rotation(m.rotation_a, c.pose[a].rotation);
@@ -172,23 +214,24 @@ bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
   for (const ContactEntry& e : group) {
     if (!(e.bits & kTouching)) continue;
     Contact& contact = contacts->slots[e.slot];
-    const Real* base = memory[e.slot].base;
+    const ContactBase& base = bases[e.slot];
     contact.fresh = 0;
-    if (rotated) rotate_normal(contact, memory[e.slot].normal, common);
+    if (rotated) rotate_normal(contact, base.normal, common);
     for (int k = 0; k < contact.point_count; ++k) {
       ContactPoint& p = contact.points[k];
       const Vec3 slip = apart + cross(rotation_b, p.arm_b) - cross(rotation_a, p.arm_a);
-      p.separation = base[k] + dot(slip, contact.normal);
+      p.separation = base.separation[k] + dot(slip, contact.normal);
       p.total_impulse = 0;
     }
   }
   return true;
 }
 
-// Returns a bit per contact that has points, or had.
-std::uint32_t Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin, Real dt) {
+// Returns a bit per contact that has points, or had. Those without a slot are appended to `found_new`.
+std::uint32_t Collide::Impl::test_fresh(std::span<const ContactEntry> group, Real margin, Real dt,
+                                        Array<NewContact>& found_new) {
   const Colliders& c = *colliders;
-  ContactMemory& m = memory[group[0].slot];
+  PairMemory& m = memory[group[0].pair];
   const std::uint32_t a = group[0].a, b = group[0].b;
   Manifold found[kMaxManifolds];
   int count = narrow.collide(*c.shape[a], c.pose[a], *c.shape[b], c.pose[b], margin, m.cache, found);
@@ -207,21 +250,24 @@ std::uint32_t Collide::Impl::test_fresh(std::span<const ContactEntry> group, Rea
   std::uint32_t written = 0;
   for (std::size_t k = 0; k < group.size(); ++k) {
     const bool used = static_cast<int>(k) < count;
-    if (!used && !(group[k].bits & kTouching)) continue;  // its slot, far from others in memory, is not looked at
+    const ContactEntry& e = group[k];
+    if (!used && e.slot == kNone) continue;
     written |= 1u << k;
+    if (e.slot == kNone) found_new.emplace_back();
+    Contact& contact = e.slot == kNone ? found_new.back().contact : contacts->slots[e.slot];
+    contact.collider_a = a, contact.collider_b = b, contact.sub = e.sub;
+    ContactBase& base = e.slot == kNone ? found_new.back().base : bases[e.slot];
     static const Manifold none;
     // matching limit: a tenth of the smaller shape
-    write_manifold(group[k], used ? found[k] : none, {old.contact, old.count}, m.extent / 10, ahead);
+    write_manifold(contact, base, used ? found[k] : none, {old.contact, old.count}, m.extent / 10, ahead);
   }
   return written;
 }
 
 // `ahead`: how far b's centre comes nearer until the manifold, zero when it is that of now.
-void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std::span<const Contact> old, Real limit,
-                                   const Vec3& ahead) {
-  const Colliders& c = *colliders;
-  Contact& contact = contacts->slots[e.slot];
-  ContactMemory& mem = memory[e.slot];
+void Collide::Impl::write_manifold(Contact& contact, ContactBase& base, const Manifold& m,
+                                   std::span<const Contact> old, Real limit, const Vec3& ahead) {
+  const Vec3 &center_a = colliders->center[contact.collider_a], &center_b = colliders->center[contact.collider_b];
   FEDER_ASSERT(m.count >= 0 && m.count <= kMaxContactPoints);
   // wide: normals across distances whose squares underflow are rough, and overflow leaves none of huge shapes
   FEDER_ASSERT(m.count == 0 || m.normal.isZero(0) || !(std::fabs(length(m.normal) - 1) > Real(0.5)));
@@ -229,7 +275,7 @@ void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std
   contact.fresh = 1;
   contact.point_count = static_cast<std::uint8_t>(m.count);
   contact.surface = m.surface;
-  contact.normal = mem.normal = m.normal;
+  contact.normal = base.normal = m.normal;
   contact.tangent_impulse[0] = contact.tangent_impulse[1] = contact.twist_impulse = 0;
   contact.rolling_impulse = Vec3::Zero();
   // its points, with the impulses of old ones
@@ -238,11 +284,11 @@ void Collide::Impl::write_manifold(const ContactEntry& e, const Manifold& m, std
   for (int k = 0; k < kMaxContactPoints; ++k) {
     ContactPoint& p = contact.points[k];
     p = {};
-    mem.base[k] = 0;
+    base.separation[k] = 0;
     if (k >= m.count) continue;
     const ManifoldPoint& q = m.points[k];
-    p.arm_a = q.position - c.center[e.a], p.arm_b = q.position - c.center[e.b] - ahead;
-    p.separation = mem.base[k] = q.separation;
+    p.arm_a = q.position - center_a, p.arm_b = q.position - center_b - ahead;
+    p.separation = base.separation[k] = q.separation;
     p.feature = q.feature;
     const ContactPoint* from = old_point(p, old, limit, used);
     if (!from) continue;
@@ -316,9 +362,8 @@ void Collide::Impl::mix(Contact& contact) const {
 }
 
 // Approach speeds, and the bits for waking and events (contact_states.cpp has the rule of contact states).
-void Collide::Impl::check_contact(ContactEntry& e, Real margin, Real dt) {
+void Collide::Impl::check_contact(ContactEntry& e, Contact& contact, Real margin, Real dt) {
   const Colliders& c = *colliders;
-  Contact& contact = contacts->slots[e.slot];
   const Vec3 between = c.velocity[e.b] - c.velocity[e.a];
   const Vec3 angular_a = c.angular_velocity[e.a], angular_b = c.angular_velocity[e.b];
   Real nearest = kInfinity, predicted = kInfinity;

@@ -42,54 +42,62 @@ void Collide::Impl::check_unexamined() {
   }
 }
 
-// A contact and its slot.
+// An entry and its slot: contacts with points have one, sensors and what is apart have none.
 void Collide::Impl::check_entry(const ContactEntry& e) const {
   const Colliders& c = *colliders;
-  FEDER_ASSERT(e.a < e.b && e.b < c.size() && e.b < seen.size());
+  FEDER_ASSERT(e.a < e.b && e.b < c.size() && e.b < seen.size() && e.pair < memory.size());
   FEDER_ASSERT(c.motion[e.a] != ColliderMotion::none && c.motion[e.b] != ColliderMotion::none);
+  const bool touching = e.bits & kTouching, sensor = e.bits & kSensorPair;
+  FEDER_ASSERT(!(e.bits & kReported) || touching);
+  FEDER_ASSERT((e.slot != kNone) == (touching && !sensor));
+  if (e.slot == kNone) return;
   FEDER_ASSERT(e.slot < contacts->slots.size());
   const Contact& contact = contacts->slots[e.slot];
   FEDER_ASSERT(contact.collider_a == e.a && contact.collider_b == e.b && contact.sub == e.sub);
-  FEDER_ASSERT((contact.sensor != 0) == ((e.bits & kSensorPair) != 0));
-  FEDER_ASSERT((contact.touching != 0) == ((e.bits & kTouching) != 0));
-  FEDER_ASSERT(!(e.bits & kReported) || contact.touching);
+  FEDER_ASSERT(contact.touching && contact.point_count > 0 && contact.point_count <= kMaxContactPoints);
   FEDER_ASSERT(contact.surface <= c.shape[e.a]->surfaces().size() + c.shape[e.b]->surfaces().size());
-  FEDER_ASSERT(contact.point_count <= (contact.touching && !contact.sensor ? kMaxContactPoints : 0));
 }
 
-// Contacts and slots, one to one, in `entries` or at rest; the order of slots is that of entries; other slots are free,
-// once each.
+// Contacts and slots, and pairs and their numbers, one to one, in `entries` or at rest; the order of slots is that of
+// entries; others are free, once each.
 void Collide::Impl::check_entries() const {
   const Contacts& k = *contacts;
-  FEDER_ASSERT(memory.size() == k.slots.size() && k.order.size() == entries.size());
-  MultisetHash all, listed;
-  for (std::uint32_t slot = 0; slot < k.slots.size(); ++slot) all.add(slot);
+  FEDER_ASSERT(bases.size() == k.slots.size());
+  MultisetHash slots, listed, pairs_made, pairs_listed;
+  for (std::uint32_t slot = 0; slot < k.slots.size(); ++slot) slots.add(slot);
+  for (std::uint32_t pair = 0; pair < memory.size(); ++pair) pairs_made.add(pair);
+  for (const std::uint32_t pair : free_pairs) pairs_listed.add(pair);
   for (const std::uint32_t slot : k.free_list) {
     FEDER_ASSERT(slot < k.slots.size() && k.slots[slot].collider_a == kNone);
     listed.add(slot);
   }
-  std::size_t next_active = 0;
+  const auto list = [&](const ContactEntry& e) {
+    if (e.slot != kNone) listed.add(e.slot);
+    if (e.sub == 0) pairs_listed.add(e.pair);
+  };
+  std::size_t next_active = 0, next_slot = 0;
   FEDER_ASSERT(k.active_pairs.size() == k.active.size());
   for (std::size_t i = 0; i < entries.size(); ++i) {
     const ContactEntry& e = entries[i];
     check_entry(e);
     FEDER_ASSERT(i == 0 || in_order(entries[i - 1], e));
-    FEDER_ASSERT(k.order[i] == e.slot && memory[e.slot].resting == 0);
-    listed.add(e.slot);
+    FEDER_ASSERT(e.sub == 0 || (entries[i - 1].pair == e.pair && entries[i - 1].sub + 1 == e.sub));
+    list(e);
+    if (e.slot == kNone) continue;
+    FEDER_ASSERT(next_slot < k.order.size() && k.order[next_slot] == e.slot);
+    ++next_slot;
     if (next_active == k.active.size() || k.active[next_active] != e.slot) continue;
-    FEDER_ASSERT(k.slots[e.slot].point_count > 0);
     FEDER_ASSERT(k.active_pairs[next_active].a == e.a && k.active_pairs[next_active].b == e.b);
     ++next_active;
   }
+  FEDER_ASSERT(next_slot == k.order.size());
   FEDER_ASSERT(next_active == k.active.size());  // active ones come in the order of entries, each once
   std::uint32_t resting = 0;
-  for (std::uint32_t slot = 0; slot < memory.size(); ++slot) {
-    if (!memory[slot].resting) continue;
-    check_entry(resting_entry(slot));
-    listed.add(slot);
+  k.resting.each([&](std::uint32_t pair) {
+    each_resting_entry(pair, [&](const ContactEntry& e) { check_entry(e), list(e); });
     ++resting;
-  }
-  FEDER_ASSERT(all == listed && resting == k.resting.count);
+  });
+  FEDER_ASSERT(slots == listed && pairs_made == pairs_listed && resting == k.resting.count);
 }
 
 void Collide::Impl::check_book() const {
@@ -102,8 +110,7 @@ void Collide::Impl::check_book() const {
     if (e.bits & kReported) reported.add(hash_of(key(e, flipped)));
   };
   for (const ContactEntry& e : entries) add(e);
-  for (std::uint32_t slot = 0; slot < memory.size(); ++slot)
-    if (memory[slot].resting) add(resting_entry(slot));
+  contacts->resting.each([&](std::uint32_t pair) { each_resting_entry(pair, add); });
   FEDER_ASSERT(on_record == reported);
 }
 

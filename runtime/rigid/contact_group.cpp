@@ -149,7 +149,7 @@ BatchExtra& ContactGroup::use_extra(std::uint32_t batch) {
 
 void ContactGroup::fill_lane(const Contact& contact, const Vec3& gravity, std::uint32_t batch, int lane,
                              BatchInput& input) {
-  FEDER_ASSERT(contact.touching && !contact.sensor);
+  FEDER_ASSERT(contact.touching);
   FEDER_ASSERT(contact.point_count >= 1 && contact.point_count <= kBatchPoints);
   ContactBatch& c = batches_[batch];
   BatchSide& side = sides_[batch];

@@ -73,24 +73,22 @@ void Rigid::Impl::sweep_collider(std::uint32_t i, std::uint32_t k, const OwnerMo
   }
 }
 
-void Rigid::Impl::find_stop(std::uint32_t p, Array<std::uint32_t>& found) {
-  FastStop& stop = stops[p];
-  stop = {};
-  if (bad[p] || !is_fast(p)) return;
+FastStop Rigid::Impl::find_stop(std::uint32_t p, Array<std::uint32_t>& found) {
+  FastStop stop;
   const std::uint32_t i = moving[p];
   const OwnerMotion motion = motion_in_step(i);
   const Real way = length(motion.shift), piece = kPieceExtents * bodies.extent[i];
-  if (!is_finite(way + length(motion.turn))) return;
+  if (!is_finite(way + length(motion.turn))) return stop;
   const int pieces = way > piece * kMostPieces ? kMostPieces : std::max(1, static_cast<int>(std::ceil(way / piece)));
   for (int n = 0; n < pieces && stop.time > 1; ++n)
     each_collider(i, [&](std::uint32_t k) {
       if (!colliders.sensor[k] && !colliders.meets_nothing(k) && stop.obstacles <= kMostObstacles)
         sweep_collider(i, k, motion, Real(n) / Real(pieces), Real(n + 1) / Real(pieces), found, stop);
     });
+  return stop;
 }
 
-void Rigid::Impl::apply_stop(std::uint32_t p) {
-  const FastStop& stop = stops[p];
+void Rigid::Impl::apply_stop(std::uint32_t p, const FastStop& stop) {
   const std::uint32_t i = moving[p];
   SolverBody& s = solver_bodies.state[p + 1];
   if (stop.obstacles > kMostObstacles && !sweep_warned) {
@@ -122,41 +120,57 @@ void Rigid::Impl::apply_stop(std::uint32_t p) {
 
 // A body that stops would open its joints by the rest of its neighbours' way: fast bodies on joints stop at one time.
 void Rigid::Impl::stop_together() {
-  const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
+  const auto count = static_cast<std::uint32_t>(fast.size());
   fast_groups.reset(count);
-  const auto place = [&](std::uint32_t i) {  // in moving; kNone where it is not fast
+  const auto place = [&](std::uint32_t i) {  // in `fast`, or kNone
     const std::uint32_t n = bodies.moves(i) ? solver_bodies.at(bodies.solver_slot[i]) : 0;
-    return n > 0 && !bad[n - 1] && is_fast(n - 1) ? n - 1 : kNone;
+    if (n == 0 || !fast_marks[n - 1]) return kNone;
+    return static_cast<std::uint32_t>(std::lower_bound(fast.begin(), fast.end(), n - 1) - fast.begin());
   };
   for (const std::uint32_t j : active_joints) {
     const std::uint32_t a = place(records[j].body_a), b = place(records[j].body_b);
     if (a != kNone && b != kNone) fast_groups.join(a, b);
   }
-  for (std::uint32_t p = 0; p < count; ++p) {  // a root is the first of its group
-    FastStop& first = stops[fast_groups.root(p)];
-    first.group_time = std::min(first.group_time, stops[p].time);
+  for (std::uint32_t n = 0; n < count; ++n) {  // a root is the first of its group
+    FastStop& first = stops[fast_groups.root(n)];
+    first.group_time = std::min(first.group_time, stops[n].time);
   }
-  for (std::uint32_t p = 0; p < count; ++p) {
-    const Real time = stops[fast_groups.root(p)].group_time;
-    if (time < stops[p].time) stops[p].time = time, stops[p].other = kNone;
+  for (std::uint32_t n = 0; n < count; ++n) {
+    const Real time = stops[fast_groups.root(n)].group_time;
+    if (time < stops[n].time) stops[n].time = time, stops[n].other = kNone;
   }
 }
 
+void Rigid::Impl::list_fast(StepContext& c) {
+  const auto count = static_cast<std::uint32_t>(moving.size());
+  constexpr JobGrain kGrain{512, 5'000};  // bodies
+  fast_marks.resize(count);
+  c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t p = first; p < last; ++p) fast_marks[p] = !bad[p] && is_fast(p);
+  });
+  fast.clear();
+  for (std::uint32_t p = 0; p < count; ++p)
+    if (fast_marks[p]) fast.push_back(p);
+}
+
 void Rigid::Impl::stop_fast(StepContext& c) {
-  const std::uint32_t count = static_cast<std::uint32_t>(moving.size());
+  list_fast(c);
+  const auto count = static_cast<std::uint32_t>(fast.size());
   stops.resize(count);
   while (stop_scratch.size() < static_cast<std::size_t>(c.jobs->threads())) stop_scratch.emplace_back(&arena);
-  constexpr JobGrain kGrain{64, 20'000};  // bodies; most are not fast
+  constexpr JobGrain kGrain{16, 20'000};  // bodies
   c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int worker) {
-    for (std::uint32_t p = first; p < last; ++p) find_stop(p, stop_scratch[static_cast<std::size_t>(worker)]);
+    for (std::uint32_t n = first; n < last; ++n)
+      stops[n] = find_stop(fast[n], stop_scratch[static_cast<std::size_t>(worker)]);
   });
   const auto stopped = [](const FastStop& s) { return s.time <= 1; };
   if (joint_count > 0 && std::any_of(stops.begin(), stops.end(), stopped)) stop_together();
   // all motions are still whole
-  for (std::uint32_t p = 0; p < count; ++p)
-    if (stops[p].time <= 1 && stops[p].other != kNone) stops[p].other_motion = motion_in_step(stops[p].other);
-  for (std::uint32_t p = 0; p < count; ++p)
-    if (stops[p].time <= 1) apply_stop(p);
+  for (FastStop& stop : stops)
+    if (stop.time <= 1 && stop.other != kNone) stop.other_motion = motion_in_step(stop.other);
+  for (std::uint32_t n = 0; n < count; ++n)
+    if (stops[n].time <= 1) apply_stop(fast[n], stops[n]);
+  stops_slack.clear(stops);
 }
 
 }  // namespace feder

@@ -95,6 +95,13 @@ struct IslandLoad {
   bool apart = false;                // has net points, or joints to kinematic bodies
 };
 
+// Kinetic energies of an island at the start and the end of a step, and what may have been given to it, J; watch.cpp.
+struct IslandEnergy {
+  double before = 0, after = 0, given = 0;
+  double mass = 0;   // kg
+  double drive = 0;  // speed of what moves by itself, m/s
+};
+
 struct Rigid::Impl {
   explicit Impl(SystemSetup& setup);
 
@@ -160,8 +167,9 @@ struct Rigid::Impl {
   bool is_fast(std::uint32_t p) const;
   void sweep_collider(std::uint32_t i, std::uint32_t k, const OwnerMotion& motion, Real begin, Real end,
                       Array<std::uint32_t>& found, FastStop& stop);
-  void find_stop(std::uint32_t p, Array<std::uint32_t>& found);
-  void apply_stop(std::uint32_t p);
+  void list_fast(StepContext& c);
+  FastStop find_stop(std::uint32_t p, Array<std::uint32_t>& found);
+  void apply_stop(std::uint32_t p, const FastStop& stop);
   void stop_together();
   void stop_fast(StepContext& c);
 
@@ -296,18 +304,15 @@ struct Rigid::Impl {
   Array<std::uint32_t> next_in_island{&arena};  // ring of a sleeping island
   UnionFind islands{arena};                     // of the bodies that are awake
   bool islands_joined = false;                  // in this step
-  UnionFind fast_groups{arena};                 // by place in `moving`
+  UnionFind fast_groups{arena};                 // by place in `fast`
   Array<Real> pace{&arena};                     // kinetic energy per mass at the end of the last step, m^2/s^2
   Array<std::uint64_t> edited_step{&arena};     // in which a script moved it, or edited its joints
-  Array<double> island_before{&arena}, island_after{&arena}, island_given{&arena}, island_mass{&arena},
-      island_drive{&arena};  // by root; watch.cpp
 
   // Calls f(array) for the arrays that have an entry per body: of all, or of those that snapshots hold.
   template <class S, class F>
   static void each_array(S& s, F&& f) {
     each_saved_array(s, f);
-    for_each_of(f, s.pace, s.edited_step, s.island_before, s.island_after, s.island_given, s.island_mass,
-                s.island_drive);
+    for_each_of(f, s.pace, s.edited_step);
   }
   template <class S, class F>
   static void each_saved_array(S& s, F&& f) {
@@ -336,7 +341,10 @@ struct Rigid::Impl {
   Array<std::uint32_t> moving{
       &arena};  // awake dynamic and kinematic bodies, ascending; moving[p] has solver index p + 1
   bool list_stale = true;
-  Array<FastStop> stops{&arena};                              // of moving[p]
+  Array<std::uint32_t> fast{&arena};     // places in `moving` of bodies that may pass through something, ascending
+  Array<FastStop> stops{&arena};         // of those
+  Slack stops_slack;
+  Array<std::uint8_t> fast_marks{&arena};  // by p: is in `fast`
   std::vector<Array<std::uint32_t>> stop_scratch;             // by worker
   Array<ObjectId> moved{&arena};                              // awake in the last step
   Array<std::uint32_t> touching{&arena};                      // slots of contacts; wake_touching
@@ -362,7 +370,8 @@ struct Rigid::Impl {
   bool poses_stale = false;   // collider poses are of the start of the last step
   bool any_candidate = false;
   Array<std::uint32_t> jumpers{&arena};     // bodies whose islands the watchdog has to look at in this step
-  std::uint8_t* accounted_roots = nullptr;  // by body, in the scratch memory of the step; null: all
+  IslandEnergy* island_energies = nullptr;  // by root, in the scratch memory of the step
+  std::uint8_t* accounted_roots = nullptr;  // by body, likewise; null: all
   std::uint64_t now = 0;                    // next step
   bool warned_far = false;                  // warned of motion lost far from the origin
 };

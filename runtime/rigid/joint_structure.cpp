@@ -14,74 +14,78 @@ constexpr JobGrain kKeyGrain{512, 8'000};  // joints per job
 
 }  // namespace
 
-bool SoftJoints::JointKey::operator==(const JointKey& other) const {
-  const auto equal = [](const JointOptions& x, const JointOptions& y) {
-    return x.lower == y.lower && x.upper == y.upper && x.has_limits == y.has_limits && x.has_motor == y.has_motor &&
-           x.motor_max == y.motor_max && x.spring_hertz == y.spring_hertz && x.rest_length == y.rest_length;
-  };
-  return joint == other.joint && index_a == other.index_a && index_b == other.index_b && bodies == other.bodies &&
-         kind == other.kind && equal(options, other.options);
+// Joints of a step, up to kKeyGrain.items of them: what the order of a solve depends on.
+SequenceHash SoftJoints::hash_of(const SolverInput& in, std::span<const std::uint32_t> list) const {
+  const SolverBodies& solver_bodies = *in.solver_bodies;
+  SequenceHash hash;
+  for (const std::uint32_t j : list) {
+    const SolverJoint& joint = in.joints[j];
+    const JointOptions& o = joint.shape.options;
+    const std::uint64_t a = solver_bodies.at(joint.slot_a), b = solver_bodies.at(joint.slot_b);
+    const unsigned sides = sides_of(in, joint) | unsigned(o.has_limits) << 4 | unsigned(o.has_motor) << 5;
+    hash.add(std::uint64_t(j) << 32 | a, b << 32 | sides, word_of(joint.kind), word_of(o.lower), word_of(o.upper),
+             word_of(o.motor_max), word_of(o.spring_hertz), word_of(o.rest_length));
+  }
+  return hash;
 }
 
-SoftJoints::JointKey SoftJoints::key_of(const SolverInput& in, std::uint32_t j) const {
-  const SolverJoint& joint = in.joints[j];
+// Bits: which sides move, which are uneven.
+unsigned SoftJoints::sides_of(const SolverInput& in, const SolverJoint& joint) const {
   const SolverBodies& solver_bodies = *in.solver_bodies;
   const std::uint32_t a = solver_bodies.at(joint.slot_a), b = solver_bodies.at(joint.slot_b);
-  const unsigned bits = unsigned(solver_bodies.mass[a].inv_mass > 0) +
-                        2 * unsigned(solver_bodies.mass[b].inv_mass > 0) + 4 * unsigned(in.uneven(a) != nullptr) +
-                        8 * unsigned(in.uneven(b) != nullptr);
-  return {j, a, b, bits, joint.kind, joint.shape.options};
+  return unsigned(solver_bodies.mass[a].inv_mass > 0) | unsigned(solver_bodies.mass[b].inv_mass > 0) << 1 |
+         unsigned(in.uneven(a) != nullptr) << 2 | unsigned(in.uneven(b) != nullptr) << 3;
 }
 
-// Compares keys with those of the last step, and replaces them.
+// Compares hashes with those of the last step, and replaces them.
 bool SoftJoints::structure_changed(const SolverInput& in, StepContext& c) {
   const auto count = static_cast<std::uint32_t>(in.active_joints.size());
-  bool changed = keys_.size() != count || norm_.size() != in.solver_bodies->state.size();
-  keys_.resize(count);
-  std::uint8_t* differs = c.scratch->take<std::uint8_t>(count / kKeyGrain.items + 1);
+  bool changed = key_count_ != count || norm_.size() != in.solver_bodies->state.size();
+  const std::uint32_t blocks = (count + kKeyGrain.items - 1) / kKeyGrain.items;
+  key_count_ = count;
+  keys_.resize(blocks);
+  std::uint8_t* differs = c.scratch->take<std::uint8_t>(blocks);
   c.jobs->for_blocks(count, kKeyGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    std::uint8_t any = 0;
-    for (std::uint32_t i = first; i < last; ++i) {
-      const JointKey key = key_of(in, in.active_joints[i]);
-      if (keys_[i] == key) continue;
-      keys_[i] = key;
-      any = 1;
-    }
-    differs[first / kKeyGrain.items] = any;
+    const SequenceHash hash = hash_of(in, in.active_joints.subspan(first, last - first));
+    SequenceHash& key = keys_[first / kKeyGrain.items];
+    differs[first / kKeyGrain.items] = key != hash;
+    key = hash;
   });
-  for (std::uint32_t i = 0; i < count; i += kKeyGrain.items) changed = changed || differs[i / kKeyGrain.items];
+  for (std::uint32_t k = 0; k < blocks; ++k) changed = changed || differs[k];
   return changed;
 }
 
 void SoftJoints::list_bodies(const SolverInput& in) {
   const std::size_t count = in.solver_bodies->state.size();
   marks_.assign(count, 0);
-  for (const JointKey& key : keys_) marks_[key.index_a] = marks_[key.index_b] = 1;
+  for (const std::uint32_t j : in.active_joints)
+    for (const std::uint32_t slot : {in.joints[j].slot_a, in.joints[j].slot_b})
+      marks_[in.solver_bodies->at(slot)] = 1;
   bodies_.clear();
   bodies_.reserve(count);
   for (std::uint32_t i = 1; i < count; ++i)
     if (marks_[i]) bodies_.push_back(i);
   // of all others nothing is read but for the world's
   strain_.assign(count, Real(0));
-  strain_axes_.assign(count, Vec3d::Zero());
+  strain_axes_.assign(uneven_ ? count : 0, Vec3d::Zero());
   norm_.assign(count, Real(0));
   share_.assign(count, Real(1));
   smooth_.assign(count, Real(1));
-  inv_inertia_.assign(count, Mat3(Mat3::Zero()));
 }
 
 // Joints whose kind allows it, of even bodies and in no tree, are solved wide; the others by rows.
 void SoftJoints::choose_wide(const SolverInput& in, StepContext& c) {
   candidates_.clear(), narrow_.clear();
-  candidates_.reserve(keys_.size()), narrow_.reserve(keys_.size());
+  candidates_.reserve(key_count_), narrow_.reserve(key_count_);
   marks_.assign(blocks_.size(), 0);
   std::size_t block = 0;
-  for (const JointKey& key : keys_) {
+  for (const std::uint32_t j : in.active_joints) {
+    const SolverJoint& joint = in.joints[j];
     const std::size_t first = block;
     bool direct = false;
-    for (; block < blocks_.size() && blocks_[block].joint == key.joint; ++block) direct = direct || is_direct(block);
-    const bool wide = key.kind->wide == WideRows::point && !direct && key.bodies < 4;
-    (wide ? candidates_ : narrow_).push_back(key.joint);
+    for (; block < blocks_.size() && blocks_[block].joint == j; ++block) direct = direct || is_direct(block);
+    const bool wide = joint.kind->wide == WideRows::point && !direct && sides_of(in, joint) < 4;
+    (wide ? candidates_ : narrow_).push_back(j);
     for (std::size_t i = first; i < block; ++i) marks_[i] = wide;
   }
   wide_.color(in, {candidates_.data(), candidates_.size()}, narrow_, c);
@@ -103,6 +107,7 @@ void SoftJoints::find_structure(const SolverInput& in, StepContext& c) {
   trees_.clear();
   if (use_trees_) trees_.find(rows_, blocks_, *in.solver_bodies);
   choose_wide(in, c);
+  inv_inertia_.assign(narrow_.empty() ? 1 : in.solver_bodies->state.size(), Mat3(Mat3::Zero()));
   fill_rows(in, 0);
   list_bounded();
   all_direct_ = !trees_.empty() && wide_.empty();

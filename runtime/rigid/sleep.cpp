@@ -89,8 +89,9 @@ void Rigid::Impl::wake_touching(std::uint32_t i, WakeCause cause) {
   touching.clear();
   std::copy_if(contacts.order.begin(), contacts.order.end(), std::back_inserter(touching), touches);
   each_collider(i, [&](std::uint32_t k) {
-    contacts.resting.each_of(k, [&](std::uint32_t slot) {
-      if (touches(slot)) touching.push_back(slot);
+    contacts.resting.each_of(k, [&](std::uint32_t pair) {
+      for (const std::uint32_t slot : contacts.resting.pairs[pair].contact)
+        if (slot != kNone && touches(slot)) touching.push_back(slot);
     });
   });
   std::sort(touching.begin(), touching.end(), [&](std::uint32_t x, std::uint32_t y) {

@@ -319,7 +319,7 @@ void SoftJoints::apply_uneven(const RowBlock& block, const Real* impulse, const 
 
 // Rows of the joints in narrow_; without bends when h is 0.
 void SoftJoints::fill_rows(const SolverInput& in, Real h) {
-  rows_.clear(), blocks_.clear();
+  rows_slack_.clear(rows_), blocks_slack_.clear(blocks_);
   RowWriter writer(rows_, blocks_);
   for (const std::uint32_t j : narrow_) {
     SolverJoint& joint = in.joints[j];
@@ -343,7 +343,7 @@ void SoftJoints::prepare_rows(const RowBlock& block, Real h) {
 }
 
 void SoftJoints::clear() {
-  rows_.clear(), blocks_.clear(), keys_.clear(), bodies_.clear(), narrow_.clear(), slides_.clear();
+  rows_.clear(), blocks_.clear(), keys_.clear(), key_count_ = 0, bodies_.clear(), narrow_.clear(), slides_.clear();
   bounded_.clear(), with_tree_.clear();
   trees_.clear(), wide_.clear();
 }

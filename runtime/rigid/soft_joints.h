@@ -1,6 +1,7 @@
 // Joint rows of the soft-step solver: blocks of up to six rows solved together by LDL^T, with soft constraints as for
 // contacts. The method is described in soft_joints.cpp.
 #pragma once
+#include "base/hash.h"
 #include "rigid/contact_batch.h"
 #include "rigid/joint_trees.h"
 #include "rigid/solver.h"
@@ -31,7 +32,7 @@ class SoftJoints {
   // Between the two: joints hold again after an impact.
   void project(const SolverInput& in, StepContext& c);
   void finish(const SolverInput& in, StepContext& c) { wide_.store(in, c); }  // once per step: impulses stored
-  bool is_clear() const { return keys_.empty() && blocks_.empty(); }
+  bool is_clear() const { return key_count_ == 0 && blocks_.empty(); }
   void clear();
 
   std::span<const std::uint32_t> bodies() const { return {bodies_.data(), bodies_.size()}; }  // on joints, ascending
@@ -42,14 +43,6 @@ class SoftJoints {
   bool all_direct() const { return all_direct_; }
 
  private:
-  // What the order of a solve depends on; a solve is ordered anew when it changes, and by nothing else.
-  struct JointKey {
-    std::uint32_t joint, index_a, index_b;
-    std::uint32_t bodies;  // bits: which sides move, which are uneven
-    const JointKind* kind;
-    JointOptions options;
-    bool operator==(const JointKey& other) const;
-  };
   // A row prepared for the iteration.
   struct ReadyRow {
     Vec3 linear, angular_a, angular_b;
@@ -83,7 +76,8 @@ class SoftJoints {
   void push(const RowBlock& block, const Real* impulse, const SolverInput& in) const {
     uneven_ ? apply_uneven(block, impulse, in) : apply(block, impulse, in);
   }
-  JointKey key_of(const SolverInput& in, std::uint32_t j) const;
+  SequenceHash hash_of(const SolverInput& in, std::span<const std::uint32_t> list) const;
+  unsigned sides_of(const SolverInput& in, const SolverJoint& joint) const;
   bool structure_changed(const SolverInput& in, StepContext& c);
   void find_structure(const SolverInput& in, StepContext& c);
   void list_bodies(const SolverInput& in);
@@ -104,7 +98,10 @@ class SoftJoints {
   void solve_block(std::size_t index, const SolverInput& in, bool biased);
 
   Arena& arena_;
-  Array<JointKey> keys_{&arena_};             // by place in SolverInput::active_joints
+  // Of what the order of a solve depends on, by block of joints: that is found anew when one changes, and by nothing
+  // else.
+  Array<SequenceHash> keys_{&arena_};
+  std::size_t key_count_ = 0;                 // joints
   Array<std::uint32_t> bodies_{&arena_};      // solver indices on joints, ascending
   Array<std::uint32_t> narrow_{&arena_};      // joints solved by rows, ascending
   Array<std::uint32_t> candidates_{&arena_};  // joints for wide_
@@ -112,6 +109,7 @@ class SoftJoints {
   WideJoints wide_;
   Array<Row> rows_{&arena_};
   Array<RowBlock> blocks_{&arena_};
+  Slack rows_slack_, blocks_slack_;
   Array<ReadyRow> ready_{&arena_};
   Array<ReadyBlock> prepared_{&arena_};
   JointTrees trees_{arena_};

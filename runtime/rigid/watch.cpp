@@ -80,12 +80,12 @@ void Rigid::Impl::watch_contacts(const StepContext& c) {
     const double mass = (moves_a ? to_double(bodies.mass[a]) : 0) + (moves_b ? to_double(bodies.mass[b]) : 0);
     for (int k = 0; k < contact.point_count; ++k) {
       const double depth = std::fmax(0.0, -to_double(contact.points[k].separation)) / to_double(c.h);
-      island_given[at] += 0.5 * mass * depth * depth;
+      island_energies[at].given += 0.5 * mass * depth * depth;
     }
     double speed = to_double(length(contact.surface_velocity));
     if (!moves_a && a != kNone) speed += outside_speed(a, b);
     if (!moves_b && b != kNone) speed += outside_speed(b, a);
-    island_drive[at] = std::fmax(island_drive[at], speed);
+    island_energies[at].drive = std::fmax(island_energies[at].drive, speed);
   }
 }
 
@@ -109,12 +109,12 @@ void Rigid::Impl::watch_joints(const StepContext& c) {
     if (!moves_a && !moves_b) continue;
     const std::uint32_t at = islands.root(moves_a ? r.body_a : r.body_b);
     if (!accounted(at)) continue;
-    if (r.body_a != kNone) island_drive[at] = std::fmax(island_drive[at], outside_speed(r.body_a, r.body_b));
-    if (r.body_b != kNone) island_drive[at] = std::fmax(island_drive[at], outside_speed(r.body_b, r.body_a));
+    if (r.body_a != kNone) island_energies[at].drive = std::fmax(island_energies[at].drive, outside_speed(r.body_a, r.body_b));
+    if (r.body_b != kNone) island_energies[at].drive = std::fmax(island_energies[at].drive, outside_speed(r.body_b, r.body_a));
     bool edited = false;
     for (const std::uint32_t i : {r.body_a, r.body_b})
       edited = edited || (i != kNone && c.step < edited_step[i] + window);
-    island_given[at] += joint_given(j, edited, c);
+    island_energies[at].given += joint_given(j, edited, c);
   }
 }
 
@@ -175,7 +175,7 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
 // Sums by island, at its root: kinetic energies before and after, work, overlap and strain. Of islands with some of
 // these bodies; null: of all.
 void Rigid::Impl::account(const StepContext& c, const Array<std::uint32_t>* of) {
-  FEDER_ASSERT(island_before.size() == bodies.size() && edited_step.size() == bodies.size());
+  FEDER_ASSERT(edited_step.size() == bodies.size());
   join_islands();
   accounted_roots = nullptr;
   if (of) {
@@ -183,22 +183,22 @@ void Rigid::Impl::account(const StepContext& c, const Array<std::uint32_t>* of) 
     std::fill_n(accounted_roots, bodies.size(), std::uint8_t(0));
     for (const std::uint32_t i : *of) accounted_roots[islands.root(i)] = 1;
   }
-  for (const std::uint32_t i : moving)
-    island_before[i] = island_after[i] = island_given[i] = island_mass[i] = island_drive[i] = 0;
+  island_energies = c.scratch->take<IslandEnergy>(bodies.size());
+  for (const std::uint32_t i : moving) island_energies[i] = {};
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic || solver_bodies.index[bodies.solver_slot[i]] == 0) continue;
     const std::uint32_t at = islands.root(i), k = bodies.first_collider[i];
     if (!accounted(at)) continue;
     const SolverMass& m = solver_bodies.mass[solver_bodies.index[bodies.solver_slot[i]]];
-    island_before[at] += kinetic_energy(i, m.start_rotation, colliders.velocity[k], colliders.angular_velocity[k]);
-    island_after[at] += kinetic_energy(i, bodies.rotation[i], bodies.velocity[i], bodies.angular_velocity[i]);
-    island_given[at] += work_on(i, c);
-    island_mass[at] += to_double(bodies.mass[i]);
+    island_energies[at].before += kinetic_energy(i, m.start_rotation, colliders.velocity[k], colliders.angular_velocity[k]);
+    island_energies[at].after += kinetic_energy(i, bodies.rotation[i], bodies.velocity[i], bodies.angular_velocity[i]);
+    island_energies[at].given += work_on(i, c);
+    island_energies[at].mass += to_double(bodies.mass[i]);
   }
   watch_contacts(c);
   watch_joints(c);
   for (const std::uint32_t i : moving)  // a kinematic body throws others at up to twice its speed
-    island_given[i] += 2 * island_mass[i] * island_drive[i] * island_drive[i];
+    island_energies[i].given += 2 * island_energies[i].mass * island_energies[i].drive * island_energies[i].drive;
 }
 
 void Rigid::Impl::watch(const StepContext& c) {
@@ -207,8 +207,8 @@ void Rigid::Impl::watch(const StepContext& c) {
   const double least = quiet_energy(c);
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic || islands.root(i) != i || !accounted(i)) continue;
-    const double before = island_before[i] + least * island_mass[i];
-    if (!Watch::jumped(before, island_given[i], island_after[i])) continue;
+    const double before = island_energies[i].before + least * island_energies[i].mass;
+    if (!Watch::jumped(before, island_energies[i].given, island_energies[i].after)) continue;
     std::uint32_t worst = i;
     double most = -1;
     for (const std::uint32_t k : moving) {
@@ -217,7 +217,7 @@ void Rigid::Impl::watch(const StepContext& c) {
       if (energy > most || !(energy <= 1e300)) worst = k, most = energy;
     }
     watched.suspects.push_back(
-        {kName, bodies.object[worst], before, island_after[i], island_given[i], island_mass[i], false, kCure});
+        {kName, bodies.object[worst], before, island_energies[i].after, island_energies[i].given, island_energies[i].mass, false, kCure});
   }
 }
 
@@ -236,7 +236,7 @@ double Rigid::held(const StepContext& c) {
   if (s.body_count == 0) return 0;
   s.account(c, nullptr);
   double sum = 0;
-  for (const std::uint32_t i : s.moving) sum += s.island_before[i] + s.island_given[i];
+  for (const std::uint32_t i : s.moving) sum += s.island_energies[i].before + s.island_energies[i].given;
   return sum;
 }
 

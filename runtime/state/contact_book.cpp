@@ -63,9 +63,8 @@ void ContactBook::keep(std::uint32_t finder, const ContactRecord& record) {
 // Records change in place; new ones wait until all findings are read, and are merged in from behind.
 void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& events) {
   open_ = records_.size();
-  if (findings_.empty() && seen_ == 0) return;
+  if (findings_.empty() && seen_ == 0) return trim();
   std::sort(findings_.begin(), findings_.end(), earlier);
-  added_.clear();
   const auto over = [](const ContactRecord& r) { return r.count == 0 && r.finders == 0; };
   const std::span<const ContactFinding> findings(findings_.data(), findings_.size());
   std::size_t n = 0;
@@ -91,9 +90,14 @@ void ContactBook::merge(std::uint64_t step, const Objects& objects, Events& even
   }
   if (any_over) std::erase_if(records_, over);
   insert_added();
-  findings_.clear();
+  trim();
   seen_ = 0;
   for (const ContactRecord& r : records_) seen_ += r.finders != 0;
+}
+
+void ContactBook::trim() {
+  added_slack_.clear(added_);
+  findings_slack_.clear(findings_);
 }
 
 void ContactBook::insert_added() {

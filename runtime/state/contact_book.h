@@ -95,10 +95,12 @@ class ContactBook {
   void apply(ContactRecord& record, std::span<const ContactFinding> findings, std::uint64_t step,
              const Objects& objects, Events& events);
   void insert_added();
+  void trim();
 
   std::vector<std::string> finders_;  // by bit
   Array<ContactRecord> records_, added_;
   Array<ContactFinding> findings_;
+  Slack added_slack_, findings_slack_;
   std::size_t seen_ = 0;  // records that a finder sees
   std::size_t open_ = 0;  // records before the merge of this step
   bool used_ = false;

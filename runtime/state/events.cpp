@@ -41,7 +41,7 @@ void Events::warn(std::string code, std::string message, ObjectId object) {
 }
 
 void Events::clear() {
-  list_.clear();
+  slack_.clear(list_);
   warnings_.clear();
 }
 

@@ -103,6 +103,7 @@ class Events {
   }
 
   Array<Event> list_, pending_;
+  Slack slack_;  // of list_
   std::vector<std::pair<std::string, std::string>> warnings_;
   std::vector<EventKind> wanted_;
 };

@@ -38,6 +38,26 @@ class Arena final : public std::pmr::memory_resource {
 template <class T>
 using Array = std::pmr::vector<T>;
 
+// How much of a work array was needed of late, so that what one step needed is not kept for good.
+class Slack {
+ public:
+  // When the array is not needed any more in a step: clears it. Its memory goes back when it has been four times what
+  // was needed for some fifty steps: returns whether it did.
+  template <class T>
+  bool clear(Array<T>& a) {
+    recent_ -= recent_ / 32;
+    if (recent_ < a.size()) recent_ = a.size();
+    a.clear();
+    const bool much = a.capacity() * sizeof(T) > kSmall && a.capacity() / 4 > recent_;
+    if (much) Array<T>(a.get_allocator()).swap(a);
+    return much;
+  }
+
+ private:
+  static constexpr std::size_t kSmall = 4096;  // B
+  std::size_t recent_ = 0;                     // elements
+};
+
 // Bump memory of one step: reset at `begin`, grows to the largest step and then never allocates again.
 // Only for trivially destructible things; single-threaded (take what workers need before they start).
 class Scratch {
