@@ -72,24 +72,25 @@ void Scratch::reset() {
   if (blocks_.size() > 1) {
     for (const Block& b : blocks_) arena_->deallocate(b.data, b.size, kLine);
     blocks_.clear();
-    const std::size_t size = total_ + total_ / 4;
+    const std::size_t size = (total_ + total_ / 4 + kLine - 1) / kLine * kLine;
     blocks_.push_back({static_cast<std::byte*>(arena_->allocate(size, kLine)), size});
   }
-  used_ = 0;
+  used_ = rare_ = 0;
   total_ = 0;
 }
 
-void* Scratch::take_bytes(std::size_t bytes) {
+void* Scratch::take_bytes(std::size_t bytes, bool rare) {
   bytes = (bytes + kLine - 1) / kLine * kLine;
   total_ += bytes;
-  if (blocks_.empty() || used_ + bytes > blocks_.back().size) {
+  if (blocks_.empty() || used_ + rare_ + bytes > blocks_.back().size) {
     const std::size_t size = std::max<std::size_t>(bytes, 1u << 16);
     blocks_.push_back({static_cast<std::byte*>(arena_->allocate(size, kLine)), size});
-    used_ = 0;
+    used_ = rare_ = 0;
   }
-  void* p = blocks_.back().data + used_;
+  const Block& block = blocks_.back();
+  if (rare) return block.data + block.size - (rare_ += bytes);
   used_ += bytes;
-  return p;
+  return block.data + used_ - bytes;
 }
 
 }  // namespace feder

@@ -6,18 +6,14 @@ namespace feder {
 
 class PairSort {
  public:
-  explicit PairSort(Arena& arena) : start_(&arena), spare_(&arena) {}
+  explicit PairSort(Arena& arena) : start_(&arena) {}
 
-  // Sorts `pairs`; members are below `count`. Allocates only when `count` or the pairs outnumber every earlier call.
-  void sort(Array<IndexPair>& pairs, std::uint32_t count, JobPool& jobs);
-
-  // Once per step: gives memory back that has not been needed for long.
-  void trim() { start_slack_.clear(start_), spare_slack_.clear(spare_); }
+  // Sorts `pairs`; members are below `count`. `spare`: work space. Allocates only when `count` or the pairs outnumber
+  // every earlier call.
+  void sort(Array<IndexPair>& pairs, std::uint32_t count, Array<IndexPair>& spare, JobPool& jobs);
 
  private:
   Array<std::uint32_t> start_;
-  Array<IndexPair> spare_;
-  Slack start_slack_, spare_slack_;
 };
 
 }  // namespace feder

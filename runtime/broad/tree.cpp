@@ -37,8 +37,10 @@ class Tree final : public BroadPhase {
  public:
   explicit Tree(Arena& arena)
       : arena_(&arena), boxes_(&arena), fat_(&arena), leaves_(&arena), nodes_(&arena), side_(&arena), changed_(&arena),
-        items_(&arena), transfers_(&arena), candidates_(&arena), found_(&arena), merged_(&arena), side_pairs_(&arena),
-        in_block_(&arena), sorter_(arena), still_(arena), moving_(arena) {}
+        items_(&arena), transfers_(&arena), candidates_(&arena), merged_(&arena), side_pairs_(&arena),
+        in_block_(&arena), sorter_(arena), still_(arena), moving_(arena) {
+    found_by_.emplace_back(arena_);
+  }
 
   void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion,
                   std::span<const std::uint32_t> touched, Array<IndexPair>& pairs, JobPool& jobs) override {
@@ -184,14 +186,15 @@ class Tree final : public BroadPhase {
   // All candidates with a member in changed_, each once: of two changed boxes the lower index reports.
   void query_changed(JobPool& jobs) {
     while (found_by_.size() < static_cast<std::size_t>(jobs.threads())) found_by_.emplace_back(arena_);
-    for (Array<IndexPair>& found : found_by_) found.reserve(found_.capacity());
+    Array<IndexPair>& all = found_by_[0];
+    for (Array<IndexPair>& found : found_by_) found.reserve(all.capacity());
     const auto count = static_cast<std::uint32_t>(changed_.size());
     jobs.for_blocks(count, kQueryGrain, [&](std::uint32_t first, std::uint32_t last, int worker) {
       Array<IndexPair>& found = found_by_[static_cast<std::size_t>(worker)];
       for (std::uint32_t n = first; n < last; ++n) query_box(changed_[n], found);
     });
-    for (const Array<IndexPair>& found : found_by_) found_.insert(found_.end(), found.begin(), found.end());
-    sorter_.sort(found_, static_cast<std::uint32_t>(leaves_.size()), jobs);
+    for (std::size_t i = 1; i < found_by_.size(); ++i) all.insert(all.end(), found_by_[i].begin(), found_by_[i].end());
+    sorter_.sort(all, static_cast<std::uint32_t>(leaves_.size()), merged_, jobs);
   }
 
   void query_box(std::uint32_t i, Array<IndexPair>& found) const {
@@ -238,19 +241,18 @@ class Tree final : public BroadPhase {
   void merge_candidates(JobPool& jobs) {
     filter_candidates(
         jobs, [&](const IndexPair& p) { return !leaves_[p.a].changed && !leaves_[p.b].changed && one_moves(p); });
-    merge_filtered(found_, candidates_);
+    merge_filtered(found_by_[0], candidates_);
     merged_.reserve(candidates_.capacity());  // both grow together, so that nothing allocates later
     for (const std::uint32_t i : changed_) leaves_[i].changed = 0;
   }
 
   // What a step with many new pairs needed.
   void trim() {
-    const bool much = found_slack_.clear(found_);
+    const bool much = found_slack_.clear(found_by_[0]);
     for (Array<IndexPair>& found : found_by_) {
       found.clear();
       if (much) Array<IndexPair>(arena_).swap(found);
     }
-    sorter_.trim();
   }
 
   bool one_moves(const IndexPair& p) const {
@@ -273,7 +275,7 @@ class Tree final : public BroadPhase {
       else
         for (std::uint32_t j = 0; j < boxes.size(); ++j) meet(j);
     }
-    sorter_.sort(side_pairs_, static_cast<std::uint32_t>(leaves_.size()), jobs);
+    sorter_.sort(side_pairs_, static_cast<std::uint32_t>(leaves_.size()), merged_, jobs);
   }
 
   // The candidates that really overlap, merged with the pairs of the side list.
@@ -289,8 +291,8 @@ class Tree final : public BroadPhase {
   Array<std::uint32_t> nodes_;  // of the leaf in its tree
   Array<std::uint32_t> side_, changed_, items_;
   Array<Transfer> transfers_;
-  Array<IndexPair> candidates_, found_, merged_, side_pairs_;
-  std::vector<Array<IndexPair>> found_by_;  // by worker
+  Array<IndexPair> candidates_, merged_, side_pairs_;
+  std::vector<Array<IndexPair>> found_by_;  // by worker; in the end the first has all
   Slack found_slack_;
   Array<std::uint32_t> in_block_;           // pairs that stay
   PairSort sorter_;

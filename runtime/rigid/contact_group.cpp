@@ -44,7 +44,7 @@ void ContactGroup::build(const SolverInput& in, StepContext& c, const ContactSha
   color(in, c, shared, slots);
   batches_ = c.scratch->take<ContactBatch>(batch_count_);
   sides_ = c.scratch->take<BatchSide>(batch_count_);
-  extras_ = c.scratch->take<BatchExtra>(batch_count_);
+  extras_ = c.scratch->take_rare<BatchExtra>(batch_count_);
 }
 
 void ContactGroup::color(const SolverInput& in, StepContext& c, const ContactShared& shared,

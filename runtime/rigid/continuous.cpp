@@ -16,7 +16,7 @@ namespace {
 constexpr Real kPieceExtents = 8;             // length of a piece, of the body's extent
 constexpr int kMostPieces = 64;               // longer pieces beyond
 constexpr Real kRound = Real(1.001);          // an extent over the half width up to here: a ball
-constexpr std::size_t kMostObstacles = 2048;  // in a step, of one body
+constexpr std::uint32_t kMostObstacles = 2048;  // in a step, of one body
 
 Pose at_time(const OwnerMotion& m, Real t) {
   return {m.from.position + t * m.shift, integrate_rotation(m.from.rotation, t * m.turn)};
@@ -59,7 +59,7 @@ void Rigid::Impl::sweep_collider(std::uint32_t i, std::uint32_t k, const OwnerMo
   box.grow(arc + kContactMargin);
   const auto off = [&](std::uint32_t other) { return !overlaps(colliders.box[other], box); };
   found.erase(std::remove_if(found.begin(), found.end(), off), found.end());
-  stop.obstacles += found.size();
+  stop.obstacles += static_cast<std::uint32_t>(found.size());
   if (stop.obstacles > kMostObstacles) {
     stop.time = begin, stop.other = kNone;
     return;
@@ -88,7 +88,7 @@ FastStop Rigid::Impl::find_stop(std::uint32_t p, Array<std::uint32_t>& found) {
   return stop;
 }
 
-void Rigid::Impl::apply_stop(std::uint32_t p, const FastStop& stop) {
+void Rigid::Impl::apply_stop(std::uint32_t p, const FastStop& stop, const OwnerMotion& other) {
   const std::uint32_t i = moving[p];
   SolverBody& s = solver_bodies.state[p + 1];
   if (stop.obstacles > kMostObstacles && !sweep_warned) {
@@ -111,7 +111,6 @@ void Rigid::Impl::apply_stop(std::uint32_t p, const FastStop& stop) {
     s.velocity -= std::max(dot(s.velocity - scenery, stop.normal), Real(0)) * stop.normal;
   }
   // what pushes on takes it along
-  const OwnerMotion& other = stop.other_motion;
   const Vec3 rest =
       (1 - stop.time) * (other.shift + cross(other.turn, stop.point - at_time(other, stop.time).position));
   const Real along = dot(rest, stop.normal);
@@ -166,10 +165,12 @@ void Rigid::Impl::stop_fast(StepContext& c) {
   const auto stopped = [](const FastStop& s) { return s.time <= 1; };
   if (joint_count > 0 && std::any_of(stops.begin(), stops.end(), stopped)) stop_together();
   // all motions are still whole
-  for (FastStop& stop : stops)
-    if (stop.time <= 1 && stop.other != kNone) stop.other_motion = motion_in_step(stop.other);
+  stop_motions.clear();
+  for (const FastStop& stop : stops)
+    if (stopped(stop)) stop_motions.push_back(stop.other == kNone ? OwnerMotion{} : motion_in_step(stop.other));
+  std::size_t next = 0;
   for (std::uint32_t n = 0; n < count; ++n)
-    if (stops[n].time <= 1) apply_stop(fast[n], stops[n]);
+    if (stopped(stops[n])) apply_stop(fast[n], stops[n], stop_motions[next++]);
   stops_slack.clear(stops);
 }
 

@@ -56,10 +56,9 @@ struct FastStop {
   Real time = 2;                // fraction of the step; above 1: nowhere
   Real group_time = 2;          // the earliest of what joints connect; of the first of these bodies
   std::uint32_t other = kNone;  // the body that it meets
-  bool inside = false;          // it has reached the middle, past all that contacts could do
-  std::size_t obstacles = 0;    // looked at
+  std::uint32_t obstacles = 0;  // looked at
   Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
-  OwnerMotion other_motion;
+  bool inside = false;  // it has reached the middle, past all that contacts could do
 };
 
 // What a contact carries: its thinner body, and how far that sinks.
@@ -169,7 +168,7 @@ struct Rigid::Impl {
                       Array<std::uint32_t>& found, FastStop& stop);
   void list_fast(StepContext& c);
   FastStop find_stop(std::uint32_t p, Array<std::uint32_t>& found);
-  void apply_stop(std::uint32_t p, const FastStop& stop);
+  void apply_stop(std::uint32_t p, const FastStop& stop, const OwnerMotion& other);
   void stop_together();
   void stop_fast(StepContext& c);
 
@@ -344,6 +343,7 @@ struct Rigid::Impl {
   Array<std::uint32_t> fast{&arena};     // places in `moving` of bodies that may pass through something, ascending
   Array<FastStop> stops{&arena};         // of those
   Slack stops_slack;
+  Array<OwnerMotion> stop_motions{&arena};  // of what those meet that stop
   Array<std::uint8_t> fast_marks{&arena};  // by p: is in `fast`
   std::vector<Array<std::uint32_t>> stop_scratch;             // by worker
   Array<ObjectId> moved{&arena};                              // awake in the last step

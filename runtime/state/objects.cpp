@@ -10,7 +10,6 @@
 
 namespace feder {
 namespace {
-const std::string kEmpty;
 constexpr std::size_t kTombstones = 64;  // freed slots that wait before they are used again
 }  // namespace
 
@@ -19,10 +18,33 @@ Objects::Objects(std::initializer_list<ObjectKind> kinds) {
 }
 
 void Objects::know(ObjectKind kind) {
-  if (!knows(kind)) kinds_.push_back(kind);
+  if (number_of(kind) < kinds_.size()) return;
+  FEDER_ASSERT(kinds_.size() < 255);
+  kinds_.push_back(kind);
 }
 
-bool Objects::knows(ObjectKind kind) const { return std::find(kinds_.begin(), kinds_.end(), kind) != kinds_.end(); }
+std::uint8_t Objects::number_of(ObjectKind kind) const {
+  return static_cast<std::uint8_t>(std::find(kinds_.begin(), kinds_.end(), kind) - kinds_.begin());
+}
+
+const Objects::Texts& Objects::texts(const Slot& s) const {
+  static const Texts none;
+  return s.texts == kNone ? none : texts_[s.texts];
+}
+
+void Objects::set_texts(Slot& s, Texts texts) {
+  const bool any = !texts.name.empty() || !texts.destroyed_at.empty();
+  if (!any && s.texts == kNone) return;
+  if (s.texts == kNone) {
+    if (free_texts_.empty()) free_texts_.push_back(static_cast<std::uint32_t>(texts_.size())), texts_.emplace_back();
+    s.texts = free_texts_.back();
+    free_texts_.pop_back();
+  }
+  texts_[s.texts] = std::move(texts);
+  if (any) return;
+  free_texts_.push_back(s.texts);
+  s.texts = kNone;
+}
 
 const Objects::Slot* Objects::slot(ObjectId id) const {
   if (id.slot >= slots_.size() || slots_[id.slot].generation != id.generation) return nullptr;
@@ -30,7 +52,8 @@ const Objects::Slot* Objects::slot(ObjectId id) const {
 }
 
 ObjectId Objects::add(ObjectKind kind, std::uint32_t index, std::string name, TagMask tags) {
-  FEDER_ASSERT(kind != ObjectKind::none && knows(kind));
+  const std::uint8_t number = number_of(kind);
+  FEDER_ASSERT(kind != ObjectKind::none && number < kinds_.size());
   std::uint32_t i;
   if (free_.size() - free_head_ > kTombstones) {
     i = free_[free_head_++];
@@ -45,9 +68,8 @@ ObjectId Objects::add(ObjectKind kind, std::uint32_t index, std::string name, Ta
   Slot& s = slots_[i];
   FEDER_ASSERT(!s.alive);
   ++s.generation;
-  s.index = index, s.kind = kind, s.alive = true, s.tags = tags;
-  s.name = std::move(name);
-  s.destroyed_at.clear();
+  s.index = index, s.kind = number, s.alive = true, s.tags = tags;
+  set_texts(s, {std::move(name), {}});
   return {i, s.generation};
 }
 
@@ -55,7 +77,7 @@ void Objects::remove(ObjectId id, std::string where) {
   FEDER_ASSERT(alive(id));
   Slot& s = slots_[id.slot];
   s.alive = false;
-  s.destroyed_at = std::move(where);
+  set_texts(s, {texts(s).name, std::move(where)});
   free_.push_back(id.slot);
 }
 
@@ -66,7 +88,7 @@ bool Objects::alive(ObjectId id) const {
 
 ObjectKind Objects::kind(ObjectId id) const {
   const Slot* s = slot(id);
-  return s ? s->kind : ObjectKind::none;
+  return s ? kinds_[s->kind] : ObjectKind::none;
 }
 
 std::uint32_t Objects::index(ObjectId id) const {
@@ -76,7 +98,7 @@ std::uint32_t Objects::index(ObjectId id) const {
 
 std::uint32_t Objects::index(ObjectId id, ObjectKind expected) const {
   const Slot* s = slot(id);
-  if (!s || !s->alive || s->kind != expected)
+  if (!s || !s->alive || kinds_[s->kind] != expected)
     throw SceneError(std::string("expected a living ") + expected.text() + ", got " + describe(id));
   return s->index;
 }
@@ -88,19 +110,20 @@ void Objects::set_index(ObjectId id, std::uint32_t index) {
 
 const std::string& Objects::name(ObjectId id) const {
   const Slot* s = slot(id);
-  return s ? s->name : kEmpty;
+  return texts(s ? *s : Slot{}).name;
 }
 
 const std::string& Objects::destroyed_at(ObjectId id) const {
   const Slot* s = slot(id);
-  return s ? s->destroyed_at : kEmpty;
+  return texts(s ? *s : Slot{}).destroyed_at;
 }
 
 std::string Objects::describe(ObjectId id) const {
   const Slot* s = slot(id);
   if (!s) return "object #" + std::to_string(id.slot);
-  const std::string kind = s->kind.text();
-  return s->name.empty() ? kind + " #" + std::to_string(id.slot) : kind + " \"" + s->name + "\"";
+  const std::string kind = kinds_[s->kind].text();
+  const std::string& own = texts(*s).name;
+  return own.empty() ? kind + " #" + std::to_string(id.slot) : kind + " \"" + own + "\"";
 }
 
 TagMask Objects::tags(ObjectId id) const {
@@ -131,24 +154,27 @@ TagMask Objects::tag_bit(std::string_view tag) {
 
 ObjectId Objects::find(std::string_view name) const {
   for (std::uint32_t i = 0; i < slots_.size(); ++i)
-    if (slots_[i].alive && slots_[i].name == name) return {i, slots_[i].generation};
+    if (slots_[i].alive && texts(slots_[i]).name == name) return {i, slots_[i].generation};
   return {};
 }
 
 std::size_t Objects::count(ObjectKind kind) const {
   std::size_t n = 0;
-  for (const Slot& s : slots_) n += s.alive && s.kind == kind;
+  for (const Slot& s : slots_) n += s.alive && kinds_[s.kind] == kind;
   return n;
 }
 
 std::size_t Objects::bytes() const {
-  return slots_.capacity() * sizeof(Slot) + free_.capacity() * sizeof(std::uint32_t);
+  return slots_.capacity() * sizeof(Slot) + texts_.capacity() * sizeof(Texts) +
+         (free_.capacity() + free_texts_.capacity()) * sizeof(std::uint32_t);
 }
 
 void Objects::validate() const {
   FEDER_ASSERT(free_head_ <= free_.size());
   FEDER_ASSERT(tag_names_.size() <= 64);
-  for (const Slot& s : slots_) FEDER_ASSERT(s.generation > 0);
+  for (const Slot& s : slots_) FEDER_ASSERT(s.generation > 0 && s.kind < kinds_.size());
+  const auto with = std::count_if(slots_.begin(), slots_.end(), [](const Slot& s) { return s.texts != kNone; });
+  FEDER_ASSERT(static_cast<std::size_t>(with) + free_texts_.size() == texts_.size());
   const std::span<const std::uint32_t> free(free_.data() + free_head_, free_.size() - free_head_);
   const bool listed = lists_free(free, slots_.size(), [&](std::uint32_t i) { return !slots_[i].alive; });
   FEDER_ASSERT(listed);
@@ -157,8 +183,9 @@ void Objects::validate() const {
 void Objects::save(Writer& w) const {
   w.add(static_cast<std::uint64_t>(slots_.size()));
   for (const Slot& s : slots_) {
-    const std::string kind = s.kind.text();
-    for_each_of(saved_to(w), s.generation, s.index, kind, s.alive, s.tags, s.name, s.destroyed_at);
+    const std::string kind = kinds_[s.kind].text();
+    const Texts& own = texts(s);
+    for_each_of(saved_to(w), s.generation, s.index, kind, s.alive, s.tags, own.name, own.destroyed_at);
   }
   w.list(free_);
   w.add(static_cast<std::uint64_t>(free_head_));
@@ -169,13 +196,16 @@ void Objects::save(Writer& w) const {
 void Objects::load(Reader& r) {
   std::uint64_t n = 0;
   r.get(n);
-  slots_.resize(n);
+  slots_.assign(n, {});
+  texts_.clear(), free_texts_.clear();
   std::string kind;
   for (Slot& s : slots_) {
-    for_each_of(loaded_from(r), s.generation, s.index, kind, s.alive, s.tags, s.name, s.destroyed_at);
+    Texts own;
+    for_each_of(loaded_from(r), s.generation, s.index, kind, s.alive, s.tags, own.name, own.destroyed_at);
+    set_texts(s, std::move(own));
     const auto known = std::find_if(kinds_.begin(), kinds_.end(), [&](ObjectKind k) { return kind == k.text(); });
     if (known == kinds_.end()) throw SceneError("snapshot: this build has no objects of the kind '" + kind + "'");
-    s.kind = *known;
+    s.kind = static_cast<std::uint8_t>(known - kinds_.begin());
   }
   r.list(free_);
   r.get(n);

@@ -72,7 +72,13 @@ class Scratch {
   template <class T>
   T* take(std::size_t count) {
     static_assert(std::is_trivially_destructible_v<T>);
-    return static_cast<T*>(take_bytes(count * sizeof(T)));
+    return static_cast<T*>(take_bytes(count * sizeof(T), false));
+  }
+  // The same for what most steps do not write: it lies apart, so that no page of it is touched for something else.
+  template <class T>
+  T* take_rare(std::size_t count) {
+    static_assert(std::is_trivially_destructible_v<T>);
+    return static_cast<T*>(take_bytes(count * sizeof(T), true));
   }
 
  private:
@@ -80,10 +86,11 @@ class Scratch {
     std::byte* data;
     std::size_t size;
   };
-  void* take_bytes(std::size_t bytes);
+  void* take_bytes(std::size_t bytes, bool rare);
 
   Array<Block> blocks_;
-  std::size_t used_ = 0;   // in the last block
+  std::size_t used_ = 0;   // in the last block, from its start
+  std::size_t rare_ = 0;   // and from its end
   std::size_t total_ = 0;  // asked for since reset
   Arena* arena_;
 };

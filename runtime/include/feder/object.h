@@ -96,7 +96,7 @@ class Objects {
   template <class F>
   void for_each(ObjectKind kind, F&& f) const {
     for (std::uint32_t i = 0; i < slots_.size(); ++i)
-      if (slots_[i].alive && slots_[i].kind == kind) f(ObjectId{i, slots_[i].generation});
+      if (slots_[i].alive && kinds_[slots_[i].kind] == kind) f(ObjectId{i, slots_[i].generation});
   }
   std::size_t count(ObjectKind kind) const;
   std::size_t bytes() const;
@@ -106,22 +106,28 @@ class Objects {
   void load(Reader& r);
 
  private:
+  // Most objects have no name and were not destroyed: texts lie elsewhere.
+  struct Texts {
+    std::string name, destroyed_at;
+  };
   struct Slot {
     std::uint32_t generation = 0;
     std::uint32_t index = 0;
-    ObjectKind kind = ObjectKind::none;
+    std::uint32_t texts = kNone;  // in texts_
+    std::uint8_t kind = 0;        // in kinds_
     bool alive = false;
     TagMask tags = 0;
-    std::string name;
-    std::string destroyed_at;
   };
   const Slot* slot(ObjectId id) const;
-
-  bool knows(ObjectKind kind) const;
+  const Texts& texts(const Slot& s) const;
+  void set_texts(Slot& s, Texts texts);
+  std::uint8_t number_of(ObjectKind kind) const;  // in kinds_, or its length
 
   CommandLog* log_ = nullptr;
   std::vector<ObjectKind> kinds_ = {ObjectKind::none};
   std::vector<Slot> slots_;
+  std::vector<Texts> texts_;
+  std::vector<std::uint32_t> free_texts_;
   std::vector<std::uint32_t> free_;  // first in, first out: a stale handle keeps its tombstone as long as possible
   std::size_t free_head_ = 0;
   std::vector<std::string> tag_names_;
