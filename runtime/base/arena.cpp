@@ -72,25 +72,26 @@ void Scratch::reset() {
   if (blocks_.size() > 1) {
     for (const Block& b : blocks_) arena_->deallocate(b.data, b.size, kLine);
     blocks_.clear();
-    const std::size_t size = (total_ + total_ / 4 + kLine - 1) / kLine * kLine;
+    const std::size_t size = (most_ + most_ / 4 + kLine - 1) / kLine * kLine;
     blocks_.push_back({static_cast<std::byte*>(arena_->allocate(size, kLine)), size});
   }
-  used_ = rare_ = 0;
-  total_ = 0;
+  at_ = {};
+  most_ = 0;
 }
 
 void* Scratch::take_bytes(std::size_t bytes, bool rare) {
   bytes = (bytes + kLine - 1) / kLine * kLine;
-  total_ += bytes;
-  if (blocks_.empty() || used_ + rare_ + bytes > blocks_.back().size) {
+  at_.total += bytes;
+  most_ = std::max(most_, at_.total);
+  if (blocks_.empty() || at_.used + at_.rare + bytes > blocks_.back().size) {
     const std::size_t size = std::max<std::size_t>(bytes, 1u << 16);
     blocks_.push_back({static_cast<std::byte*>(arena_->allocate(size, kLine)), size});
-    used_ = rare_ = 0;
+    at_.used = at_.rare = 0;
   }
   const Block& block = blocks_.back();
-  if (rare) return block.data + block.size - (rare_ += bytes);
-  used_ += bytes;
-  return block.data + used_ - bytes;
+  if (rare) return block.data + block.size - (at_.rare += bytes);
+  at_.used += bytes;
+  return block.data + at_.used - bytes;
 }
 
 }  // namespace feder

@@ -6,14 +6,13 @@ namespace feder {
 
 class PairSort {
  public:
-  explicit PairSort(Arena& arena) : start_(&arena) {}
+  explicit PairSort(Arena& arena) : end_(&arena), next_(&arena) {}
 
-  // Sorts `pairs`; members are below `count`. `spare`: work space. Allocates only when `count` or the pairs outnumber
-  // every earlier call.
-  void sort(Array<IndexPair>& pairs, std::uint32_t count, Array<IndexPair>& spare, JobPool& jobs);
+  // Sorts `pairs`; members are below `count`. Allocates only when `count` outnumbers every earlier call.
+  void sort(Array<IndexPair>& pairs, std::uint32_t count, JobPool& jobs);
 
  private:
-  Array<std::uint32_t> start_;
+  Array<std::uint32_t> end_, next_;  // of the run of each `a`
 };
 
 }  // namespace feder

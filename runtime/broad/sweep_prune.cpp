@@ -16,7 +16,7 @@ namespace {
 
 class SweepPrune final : public BroadPhase {
  public:
-  explicit SweepPrune(Arena& arena) : boxes_(&arena), order_(&arena), listed_(&arena), sorter_(arena), spare_(&arena) {}
+  explicit SweepPrune(Arena& arena) : boxes_(&arena), order_(&arena), listed_(&arena), sorter_(arena) {}
 
   void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, std::span<const std::uint32_t>,
                   Array<IndexPair>& pairs, JobPool& jobs) override {
@@ -25,7 +25,7 @@ class SweepPrune final : public BroadPhase {
     choose_axis();
     sort_order();
     sweep(motion, pairs);
-    sorter_.sort(pairs, static_cast<std::uint32_t>(boxes.size()), spare_, jobs);
+    sorter_.sort(pairs, static_cast<std::uint32_t>(boxes.size()), jobs);
   }
 
   void query(const Aabb& box, Array<std::uint32_t>& found) const override {
@@ -124,7 +124,6 @@ class SweepPrune final : public BroadPhase {
   Array<std::uint32_t> order_;
   Array<std::uint8_t> listed_;
   PairSort sorter_;
-  Array<IndexPair> spare_;
   int axis_ = 0;
 };
 

@@ -10,6 +10,7 @@
 // When many leave theirs, the tree is refitted, and built anew now and then.
 // Weak spot: when most boxes leave their fat boxes in each call, everything is queried again.
 #include <algorithm>
+#include <bit>
 
 #include "bounds/aabb_tree.h"
 #include "broad/pair_sort.h"
@@ -37,8 +38,8 @@ class Tree final : public BroadPhase {
  public:
   explicit Tree(Arena& arena)
       : arena_(&arena), boxes_(&arena), fat_(&arena), leaves_(&arena), nodes_(&arena), side_(&arena), changed_(&arena),
-        items_(&arena), transfers_(&arena), candidates_(&arena), merged_(&arena), side_pairs_(&arena),
-        in_block_(&arena), sorter_(arena), still_(arena), moving_(arena) {
+        items_(&arena), transfers_(&arena), candidates_(&arena), side_pairs_(&arena),
+        marked_(&arena), sorter_(arena), still_(arena), moving_(arena) {
     found_by_.emplace_back(arena_);
   }
 
@@ -194,7 +195,7 @@ class Tree final : public BroadPhase {
       for (std::uint32_t n = first; n < last; ++n) query_box(changed_[n], found);
     });
     for (std::size_t i = 1; i < found_by_.size(); ++i) all.insert(all.end(), found_by_[i].begin(), found_by_[i].end());
-    sorter_.sort(all, static_cast<std::uint32_t>(leaves_.size()), merged_, jobs);
+    sorter_.sort(all, static_cast<std::uint32_t>(leaves_.size()), jobs);
   }
 
   void query_box(std::uint32_t i, Array<IndexPair>& found) const {
@@ -207,42 +208,42 @@ class Tree final : public BroadPhase {
     if (leaves_[i].location == kMovingTree) still_.query(fat_[i], visit);
   }
 
-  // Those candidates for which stays(pair), in their order, in parts of merged_: kPairGrain.items apart, as long as
-  // in_block_ says.
+  // Marks those candidates for which stays(pair), a bit each.
   template <class F>
-  void filter_candidates(JobPool& jobs, F&& stays) {
+  void mark_candidates(JobPool& jobs, F&& stays) {
+    static_assert(kPairGrain.items % 64 == 0);
     const auto count = static_cast<std::uint32_t>(candidates_.size());
-    merged_.resize(count);
-    in_block_.resize(count / kPairGrain.items + 1);
+    marked_.resize((count + 63) / 64);
     jobs.for_blocks(count, kPairGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      std::uint32_t end = first;
-      for (std::uint32_t n = first; n < last; ++n)
-        if (stays(candidates_[n])) merged_[end++] = candidates_[n];
-      in_block_[first / kPairGrain.items] = end - first;
+      for (std::uint32_t n = first; n < last; n += 64) {
+        std::uint64_t bits = 0;
+        for (std::uint32_t k = n; k < std::min(n + 64, last); ++k)
+          bits |= std::uint64_t(stays(candidates_[k])) << (k - n);
+        marked_[n / 64] = bits;
+      }
     });
   }
-  // These, merged with other pairs, all sorted, to `out`.
-  void merge_filtered(const Array<IndexPair>& others, Array<IndexPair>& out) const {
-    const auto count = static_cast<std::uint32_t>(merged_.size());
-    out.clear();
-    auto other = others.begin();
-    for (std::uint32_t first = 0; first < count; first += kPairGrain.items) {
-      const IndexPair* p = merged_.data() + first;
-      const IndexPair* const end = p + in_block_[first / kPairGrain.items];
-      for (; other != others.end() && p != end; ++p) {
-        while (other != others.end() && *other < *p) out.push_back(*other++);
-        out.push_back(*p);
-      }
-      out.insert(out.end(), p, end);
-    }
-    out.insert(out.end(), other, others.end());
+  // Calls f(pair) for these, in their order.
+  template <class F>
+  void each_marked(F&& f) const {
+    for (std::size_t word = 0; word < marked_.size(); ++word)
+      for (std::uint64_t bits = marked_[word]; bits != 0; bits &= bits - 1)
+        f(candidates_[64 * word + static_cast<std::size_t>(std::countr_zero(bits))]);
   }
 
   void merge_candidates(JobPool& jobs) {
-    filter_candidates(
+    const Array<IndexPair>& found = found_by_[0];
+    mark_candidates(
         jobs, [&](const IndexPair& p) { return !leaves_[p.a].changed && !leaves_[p.b].changed && one_moves(p); });
-    merge_filtered(found_by_[0], candidates_);
-    merged_.reserve(candidates_.capacity());  // both grow together, so that nothing allocates later
+    std::size_t from = 0;
+    each_marked([&](const IndexPair& p) { candidates_[from++] = p; });
+    // from behind, so that nothing is in the way
+    std::size_t to = from + found.size();
+    candidates_.resize(to);
+    for (std::size_t k = found.size(); k > 0;) {
+      const bool later = from > 0 && found[k - 1] < candidates_[from - 1];
+      candidates_[--to] = later ? candidates_[--from] : found[--k];
+    }
     for (const std::uint32_t i : changed_) leaves_[i].changed = 0;
   }
 
@@ -275,13 +276,19 @@ class Tree final : public BroadPhase {
       else
         for (std::uint32_t j = 0; j < boxes.size(); ++j) meet(j);
     }
-    sorter_.sort(side_pairs_, static_cast<std::uint32_t>(leaves_.size()), merged_, jobs);
+    sorter_.sort(side_pairs_, static_cast<std::uint32_t>(leaves_.size()), jobs);
   }
 
   // The candidates that really overlap, merged with the pairs of the side list.
   void write_pairs(std::span<const Aabb> boxes, Array<IndexPair>& pairs, JobPool& jobs) {
-    filter_candidates(jobs, [&](const IndexPair& p) { return overlaps(boxes[p.a], boxes[p.b]) && one_moves(p); });
-    merge_filtered(side_pairs_, pairs);
+    mark_candidates(jobs, [&](const IndexPair& p) { return overlaps(boxes[p.a], boxes[p.b]) && one_moves(p); });
+    pairs.clear();
+    auto side = side_pairs_.begin();
+    each_marked([&](const IndexPair& p) {
+      while (side != side_pairs_.end() && *side < p) pairs.push_back(*side++);
+      pairs.push_back(p);
+    });
+    pairs.insert(pairs.end(), side, side_pairs_.end());
   }
 
   Arena* arena_;
@@ -291,10 +298,10 @@ class Tree final : public BroadPhase {
   Array<std::uint32_t> nodes_;  // of the leaf in its tree
   Array<std::uint32_t> side_, changed_, items_;
   Array<Transfer> transfers_;
-  Array<IndexPair> candidates_, merged_, side_pairs_;
+  Array<IndexPair> candidates_, side_pairs_;
   std::vector<Array<IndexPair>> found_by_;  // by worker; in the end the first has all
   Slack found_slack_;
-  Array<std::uint32_t> in_block_;           // pairs that stay
+  Array<std::uint64_t> marked_;  // a bit per candidate
   PairSort sorter_;
   int refits_ = 0;  // since the tree was built
   AabbTree still_, moving_;

@@ -4,6 +4,7 @@
 // Source of rays: Moeller and Trumbore 1997. Weak spot: no inside, so what has passed the surface is on its other side.
 #include <algorithm>
 #include <numeric>
+#include <tuple>
 
 #include "bounds/box_tree.h"
 #include "feder/error.h"
@@ -26,6 +27,8 @@ struct TriangleSurfaces {
   std::vector<ShapeSurface> list;
   std::vector<SurfaceNumber> of;  // by triangle
 };
+
+Vec3 normal_of(const Triangle& t) { return normalized_or(cross(t.b - t.a, t.c - t.a), Vec3::Zero()); }
 
 bool ray_meets(const Aabb& box, const Vec3& o, const Vec3& d, Real limit) {
   Real enter = 0, leave = limit;
@@ -65,20 +68,11 @@ class Mesh final : public Shape {
   std::span<const ShapeSurface> surfaces() const override { return surfaces_; }
 
  private:
-  void find_neighbors();
-  Aabb box_of(const Corners& c) const {
-    Aabb box;
-    for (const std::uint32_t v : c.v) box.include(vertices_[v]);
-    return box;
-  }
-  Vec3 area_vector(const Corners& c) const {
-    return cross(vertices_[c.v[1]] - vertices_[c.v[0]], vertices_[c.v[2]] - vertices_[c.v[0]]);
-  }
+  void find_neighbors(std::span<const Corners> corners);
 
   std::vector<Vec3> vertices_;
-  std::vector<Corners> corners_;      // in the order of the hierarchy's leaves
-  std::vector<std::uint32_t> given_;  // which of the triangles as they were given
-  std::vector<Triangle> triangles_;   // all of one in one place: contacts read it at once
+  std::vector<std::uint32_t> given_;  // by triangle: which it was of those given
+  std::vector<Triangle> triangles_;   // in the order of the hierarchy's leaves; contacts read one at once
   std::vector<ShapeSurface> surfaces_;
   Arena arena_{"mesh"};
   BoxTree tree_{arena_};
@@ -88,31 +82,35 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleS
     : Shape("mesh", false), vertices_(std::move(vertices)), surfaces_(std::move(surfaces.list)) {
   std::vector<Aabb> boxes;
   boxes.reserve(triangles.size());
-  for (const Corners& c : triangles) boxes.push_back(box_of(c));
+  for (const Corners& c : triangles) {
+    Aabb& box = boxes.emplace_back();
+    for (const std::uint32_t v : c.v) box.include(vertices_[v]);
+  }
   tree_.build(boxes);
   given_.assign(tree_.order().begin(), tree_.order().end());
-  corners_.reserve(given_.size()), triangles_.reserve(given_.size());
+  std::vector<Corners> corners;  // in that order
+  corners.reserve(given_.size()), triangles_.reserve(given_.size());
   for (const std::uint32_t i : given_) {
     const Corners& c = triangles[i];
-    corners_.push_back(c);
+    corners.push_back(c);
     const SurfaceNumber surface = surfaces.of.empty() ? SurfaceNumber(0) : surfaces.of[i];
     triangles_.push_back({vertices_[c.v[0]], vertices_[c.v[1]], vertices_[c.v[2]], 0, surface, {-1, -1, -1}});
   }
   tree_.number_in_order();
-  find_neighbors();
+  find_neighbors(corners);
 }
 
-void Mesh::find_neighbors() {
+void Mesh::find_neighbors(std::span<const Corners> corners) {
   struct Side {
     std::uint32_t low, high;  // vertices
     std::uint32_t triangle, edge;
     auto operator<=>(const Side&) const = default;
   };
-  Array<Side> list{&arena_};
-  list.reserve(3 * corners_.size());
-  for (std::uint32_t i = 0; i < corners_.size(); ++i)
+  std::vector<Side> list;
+  list.reserve(3 * corners.size());
+  for (std::uint32_t i = 0; i < corners.size(); ++i)
     for (std::uint32_t k = 0; k < 3; ++k) {
-      const std::uint32_t a = corners_[i].v[k], b = corners_[i].v[(k + 1) % 3];
+      const std::uint32_t a = corners[i].v[k], b = corners[i].v[(k + 1) % 3];
       list.push_back({std::min(a, b), std::max(a, b), i, k});
     }
   std::sort(list.begin(), list.end());
@@ -122,8 +120,8 @@ void Mesh::find_neighbors() {
     if (sides.size() != 2) continue;  // borders, and edges of three or more triangles, stay sharp
     for (int s = 0; s < 2; ++s) {
       const Side &own = sides[static_cast<std::size_t>(s)], &other = sides[static_cast<std::size_t>(1 - s)];
-      const Corners &c = corners_[own.triangle], &o = corners_[other.triangle];
-      const Vec3 n = normalized_or(area_vector(c), Vec3::Zero()), m = normalized_or(area_vector(o), Vec3::Zero());
+      const Corners &c = corners[own.triangle], &o = corners[other.triangle];
+      const Vec3 n = normal_of(triangles_[own.triangle]), m = normal_of(triangles_[other.triangle]);
       const Vec3 &p = vertices_[c.v[own.edge]], &q = vertices_[c.v[(own.edge + 1) % 3]];
       const Vec3& far = vertices_[o.v[(other.edge + 2) % 3]];
       const Vec3 away = cross(far - p, q - p);  // as long as the distance to the edge, times the edge
@@ -139,9 +137,23 @@ void Mesh::find_neighbors() {
 }
 
 ShapeArguments Mesh::arguments() const {
-  ShapeArguments out{.points = vertices_, .triangles = std::vector<std::uint32_t>(3 * corners_.size())};
-  for (std::size_t k = 0; k < corners_.size(); ++k)
-    std::copy_n(corners_[k].v, 3, out.triangles.begin() + 3 * static_cast<std::ptrdiff_t>(given_[k]));
+  // corners are different places: their numbers, by place
+  std::vector<std::uint32_t> order(vertices_.size());
+  std::iota(order.begin(), order.end(), 0u);
+  const auto before = [](const Vec3& p, const Vec3& q) {
+    return std::tie(p[0], p[1], p[2]) < std::tie(q[0], q[1], q[2]);
+  };
+  std::sort(order.begin(), order.end(),
+            [&](std::uint32_t i, std::uint32_t j) { return before(vertices_[i], vertices_[j]); });
+  const auto number_of = [&](const Vec3& p) {
+    return *std::lower_bound(order.begin(), order.end(), p,
+                             [&](std::uint32_t i, const Vec3& q) { return before(vertices_[i], q); });
+  };
+  ShapeArguments out{.points = vertices_, .triangles = std::vector<std::uint32_t>(3 * triangles_.size())};
+  for (std::size_t k = 0; k < triangles_.size(); ++k) {
+    std::uint32_t* to = &out.triangles[3 * std::size_t(given_[k])];
+    to[0] = number_of(triangles_[k].a), to[1] = number_of(triangles_[k].b), to[2] = number_of(triangles_[k].c);
+  }
   out.surfaces = surfaces_;
   if (surfaces_.empty()) return out;
   out.triangle_surfaces.resize(triangles_.size());
@@ -154,8 +166,8 @@ bool Mesh::raycast(const Vec3& o, const Vec3& d, RayHit& hit) const {
   bool found = false;
   Real best = 1;
   const auto meet = [&](std::uint32_t i) {
-    const Vec3 &a = vertices_[corners_[i].v[0]], ab = vertices_[corners_[i].v[1]] - a,
-               ac = vertices_[corners_[i].v[2]] - a;
+    const Triangle& triangle = triangles_[i];
+    const Vec3 &a = triangle.a, ab = triangle.b - a, ac = triangle.c - a;
     const Vec3 p = cross(d, ac), s = o - a, q = cross(s, ab);
     const Real det = dot(ab, p);
     if (det == 0) return;
@@ -183,9 +195,8 @@ Real Mesh::distance(const Vec3& p, Real limit, Vec3& normal) const {
       around,
       [](void* context, std::uint32_t i) {
         Search& s = *static_cast<Search*>(context);
-        const Corners& c = s.mesh->corners_[i];
-        const Vec3 on =
-            closest_on_triangle(s.p, s.mesh->vertices_[c.v[0]], s.mesh->vertices_[c.v[1]], s.mesh->vertices_[c.v[2]]);
+        const Triangle& t = s.mesh->triangles_[i];
+        const Vec3 on = closest_on_triangle(s.p, t.a, t.b, t.c);
         const Real d = dot(s.p - on, s.p - on);
         if (d < s.nearest) s.nearest = d, s.on = on, s.triangle = i;
       },

@@ -176,8 +176,8 @@ std::span<const Rigid::Impl::Pile> Rigid::Impl::list_piles(IslandLoad* by_root, 
 }
 
 // By body: the weight that lies on it, N, when each body shares its own and what it carries out evenly.
-const Real* Rigid::Impl::carried_weights(std::span<const Pile> piles, StepContext& c) {
-  Real* sum = c.scratch->take<Real>(bodies.size());
+void Rigid::Impl::carried_weights(std::span<const Pile> piles, Real* out, StepContext& c) {
+  Real* sum = out;
   Real* next = c.scratch->take<Real>(bodies.size());
   Real* supports = c.scratch->take<Real>(bodies.size());
   for (const std::uint32_t i : moving) sum[i] = next[i] = supports[i] = 0;
@@ -201,7 +201,8 @@ const Real* Rigid::Impl::carried_weights(std::span<const Pile> piles, StepContex
     for (const Stacked& s : all) changes = changes || next[s.lower] != sum[s.lower];
     std::swap(sum, next);
   }
-  return sum;
+  if (sum != out)
+    for (const std::uint32_t i : moving) out[i] = sum[i];
 }
 
 // By body: its contacts, each by how much of it this body, as the lighter one, is.
@@ -270,6 +271,8 @@ void Rigid::Impl::choose_levels(StepContext& c) {
   const JointNeed* by_joints = active_joints.empty() || (!any && c.step % kLookSteps != 0) ? nullptr : joint_needs(c);
   if (!any && hard.empty() && !by_joints) return;
   join_islands();
+  Real* weights = c.scratch->take<Real>(bodies.size());
+  const Scratch::Frame frame(*c.scratch);
   IslandLoad* by_root = c.scratch->take<IslandLoad>(bodies.size());
   for (const std::uint32_t i : moving) by_root[i] = {};
   for (const std::uint32_t i : hard) by_root[islands.root(i)].hard = true;
@@ -286,7 +289,8 @@ void Rigid::Impl::choose_levels(StepContext& c) {
     if (by_joints[i].per_force > 0) island.mass = std::max(island.mass, bodies.mass[i]);
   }
   const std::span<const Pile> piles = list_piles(by_root, c);
-  carried = carried_weights(piles, c);
+  carried_weights(piles, weights, c);
+  carried = weights;
   const Real* crowd = crowds(piles, c);
   for (const Pile& pile : piles) {
     const ContactLoad load = load_of(pile, spring.rate, c);

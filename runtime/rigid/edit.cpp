@@ -118,6 +118,7 @@ void Rigid::move_to(ObjectId body, const Pose& origin) {
   check(origin.rotation.vec(), "move_to (rotation)");
   if (!is_finite(origin.rotation.w)) throw SceneError("move_to (rotation): expected four finite numbers");
   if (impl_->bodies.type[i] != BodyType::kinematic) throw SceneError("move_to: expected a kinematic body");
+  if (impl_->bodies.target.size() <= i) impl_->bodies.target.resize(impl_->bodies.size());
   impl_->bodies.target[i] = {origin.position, normalized(origin.rotation)};
   impl_->bodies.has_target[i] = 1;
 }

@@ -201,7 +201,7 @@ struct Rigid::Impl {
   Real hangs_of(Real per_force, Real mass, const StepContext& c) const;
   Real need_of_joints(const IslandLoad& island, const StepContext& c) const;
   std::span<const Pile> list_piles(IslandLoad* by_root, StepContext& c);
-  const Real* carried_weights(std::span<const Pile> piles, StepContext& c);
+  void carried_weights(std::span<const Pile> piles, Real* out, StepContext& c);
   const Real* crowds(std::span<const Pile> piles, StepContext& c);
   std::span<const std::uint32_t> list_hard(Real rate, StepContext& c);
   void choose_levels(StepContext& c);
@@ -232,7 +232,8 @@ struct Rigid::Impl {
   void watch_contacts(const StepContext& c);
   void watch_joints(const StepContext& c);
   void account(const StepContext& c, const Array<std::uint32_t>* of);
-  bool accounted(std::uint32_t root) const { return !accounted_roots || accounted_roots[root]; }
+  bool accounted(std::uint32_t root) const { return island_numbers[root] != kNone; }
+  IslandEnergy& energy_of(std::uint32_t root) { return island_energies[island_numbers[root]]; }
   void watch(const StepContext& c);
   void suspect(std::uint32_t i);
   void edited(std::uint32_t i) {
@@ -370,8 +371,10 @@ struct Rigid::Impl {
   bool poses_stale = false;   // collider poses are of the start of the last step
   bool any_candidate = false;
   Array<std::uint32_t> jumpers{&arena};     // bodies whose islands the watchdog has to look at in this step
-  IslandEnergy* island_energies = nullptr;  // by root, in the scratch memory of the step
-  std::uint8_t* accounted_roots = nullptr;  // by body, likewise; null: all
+  // of those that are accounted, in the scratch memory of the step
+  std::uint32_t* island_numbers = nullptr;  // by root, or kNone
+  IslandEnergy* island_energies = nullptr;  // by number
+  std::uint32_t island_count = 0;
   std::uint64_t now = 0;                    // next step
   bool warned_far = false;                  // warned of motion lost far from the origin
 };

@@ -80,12 +80,12 @@ void Rigid::Impl::watch_contacts(const StepContext& c) {
     const double mass = (moves_a ? to_double(bodies.mass[a]) : 0) + (moves_b ? to_double(bodies.mass[b]) : 0);
     for (int k = 0; k < contact.point_count; ++k) {
       const double depth = std::fmax(0.0, -to_double(contact.points[k].separation)) / to_double(c.h);
-      island_energies[at].given += 0.5 * mass * depth * depth;
+      energy_of(at).given += 0.5 * mass * depth * depth;
     }
     double speed = to_double(length(contact.surface_velocity));
     if (!moves_a && a != kNone) speed += outside_speed(a, b);
     if (!moves_b && b != kNone) speed += outside_speed(b, a);
-    island_energies[at].drive = std::fmax(island_energies[at].drive, speed);
+    energy_of(at).drive = std::fmax(energy_of(at).drive, speed);
   }
 }
 
@@ -109,12 +109,12 @@ void Rigid::Impl::watch_joints(const StepContext& c) {
     if (!moves_a && !moves_b) continue;
     const std::uint32_t at = islands.root(moves_a ? r.body_a : r.body_b);
     if (!accounted(at)) continue;
-    if (r.body_a != kNone) island_energies[at].drive = std::fmax(island_energies[at].drive, outside_speed(r.body_a, r.body_b));
-    if (r.body_b != kNone) island_energies[at].drive = std::fmax(island_energies[at].drive, outside_speed(r.body_b, r.body_a));
+    if (r.body_a != kNone) energy_of(at).drive = std::fmax(energy_of(at).drive, outside_speed(r.body_a, r.body_b));
+    if (r.body_b != kNone) energy_of(at).drive = std::fmax(energy_of(at).drive, outside_speed(r.body_b, r.body_a));
     bool edited = false;
     for (const std::uint32_t i : {r.body_a, r.body_b})
       edited = edited || (i != kNone && c.step < edited_step[i] + window);
-    island_energies[at].given += joint_given(j, edited, c);
+    energy_of(at).given += joint_given(j, edited, c);
   }
 }
 
@@ -177,28 +177,30 @@ double Rigid::Impl::joint_given(std::uint32_t j, bool edited, const StepContext&
 void Rigid::Impl::account(const StepContext& c, const Array<std::uint32_t>* of) {
   FEDER_ASSERT(edited_step.size() == bodies.size());
   join_islands();
-  accounted_roots = nullptr;
-  if (of) {
-    accounted_roots = c.scratch->take<std::uint8_t>(bodies.size());
-    std::fill_n(accounted_roots, bodies.size(), std::uint8_t(0));
-    for (const std::uint32_t i : *of) accounted_roots[islands.root(i)] = 1;
+  island_numbers = c.scratch->take<std::uint32_t>(bodies.size());
+  std::fill_n(island_numbers, bodies.size(), kNone);
+  island_count = 0;
+  for (const std::uint32_t i : of ? *of : moving) {
+    if (bodies.type[i] != BodyType::dynamic) continue;
+    std::uint32_t& number = island_numbers[islands.root(i)];
+    if (number == kNone) number = island_count++;
   }
-  island_energies = c.scratch->take<IslandEnergy>(bodies.size());
-  for (const std::uint32_t i : moving) island_energies[i] = {};
+  island_energies = c.scratch->take<IslandEnergy>(island_count);
+  std::fill_n(island_energies, island_count, IslandEnergy{});
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic || solver_bodies.index[bodies.solver_slot[i]] == 0) continue;
     const std::uint32_t at = islands.root(i), k = bodies.first_collider[i];
     if (!accounted(at)) continue;
     const SolverMass& m = solver_bodies.mass[solver_bodies.index[bodies.solver_slot[i]]];
-    island_energies[at].before += kinetic_energy(i, m.start_rotation, colliders.velocity[k], colliders.angular_velocity[k]);
-    island_energies[at].after += kinetic_energy(i, bodies.rotation[i], bodies.velocity[i], bodies.angular_velocity[i]);
-    island_energies[at].given += work_on(i, c);
-    island_energies[at].mass += to_double(bodies.mass[i]);
+    energy_of(at).before += kinetic_energy(i, m.start_rotation, colliders.velocity[k], colliders.angular_velocity[k]);
+    energy_of(at).after += kinetic_energy(i, bodies.rotation[i], bodies.velocity[i], bodies.angular_velocity[i]);
+    energy_of(at).given += work_on(i, c);
+    energy_of(at).mass += to_double(bodies.mass[i]);
   }
   watch_contacts(c);
   watch_joints(c);
-  for (const std::uint32_t i : moving)  // a kinematic body throws others at up to twice its speed
-    island_energies[i].given += 2 * island_energies[i].mass * island_energies[i].drive * island_energies[i].drive;
+  for (IslandEnergy& e : std::span(island_energies, island_count))
+    e.given += 2 * e.mass * e.drive * e.drive;  // a kinematic body throws others at up to twice its speed
 }
 
 void Rigid::Impl::watch(const StepContext& c) {
@@ -207,8 +209,9 @@ void Rigid::Impl::watch(const StepContext& c) {
   const double least = quiet_energy(c);
   for (const std::uint32_t i : moving) {
     if (bodies.type[i] != BodyType::dynamic || islands.root(i) != i || !accounted(i)) continue;
-    const double before = island_energies[i].before + least * island_energies[i].mass;
-    if (!Watch::jumped(before, island_energies[i].given, island_energies[i].after)) continue;
+    const IslandEnergy& own = energy_of(i);
+    const double before = own.before + least * own.mass;
+    if (!Watch::jumped(before, own.given, own.after)) continue;
     std::uint32_t worst = i;
     double most = -1;
     for (const std::uint32_t k : moving) {
@@ -217,7 +220,7 @@ void Rigid::Impl::watch(const StepContext& c) {
       if (energy > most || !(energy <= 1e300)) worst = k, most = energy;
     }
     watched.suspects.push_back(
-        {kName, bodies.object[worst], before, island_energies[i].after, island_energies[i].given, island_energies[i].mass, false, kCure});
+        {kName, bodies.object[worst], before, own.after, own.given, own.mass, false, kCure});
   }
 }
 
@@ -236,7 +239,7 @@ double Rigid::held(const StepContext& c) {
   if (s.body_count == 0) return 0;
   s.account(c, nullptr);
   double sum = 0;
-  for (const std::uint32_t i : s.moving) sum += s.island_energies[i].before + s.island_energies[i].given;
+  for (const IslandEnergy& e : std::span(s.island_energies, s.island_count)) sum += e.before + e.given;
   return sum;
 }
 

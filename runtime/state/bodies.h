@@ -33,7 +33,7 @@ struct Bodies {
   Array<Real> gravity_scale{&arena};
   Array<Real> linear_damping{&arena}, angular_damping{&arena};  // 1/s
   Array<Real> extent{&arena};  // farthest point of the shapes from the centre of mass, m
-  Array<Pose> target{&arena};  // kinematic: origin pose wanted at the end of the step
+  Array<Pose> target{&arena};  // kinematic: origin pose wanted at the end of the step; may be shorter than the others
   Array<std::uint8_t> has_target{&arena};
   Array<Real> sleep_energy{&arena};             // moving average of kinetic energy per mass, m^2/s^2
   Array<std::uint32_t> island{&arena};          // island of a sleeping body (kNone when awake)
@@ -62,14 +62,14 @@ struct Bodies {
   static void each_array(B& b, F&& f) {
     for_each_of(f, b.type, b.awake, b.can_sleep, b.sleep_threshold, b.bullet, b.lock, b.object, b.position, b.rotation,
                 b.velocity, b.angular_velocity, b.local_com, b.mass, b.inv_mass, b.inertia, b.inv_inertia, b.force,
-                b.torque, b.gravity_scale, b.linear_damping, b.angular_damping, b.extent, b.target, b.has_target,
+                b.torque, b.gravity_scale, b.linear_damping, b.angular_damping, b.extent, b.has_target,
                 b.sleep_energy, b.island, b.first_collider, b.solver_slot);
   }
   // Calls f(member) for what snapshots hold.
   template <class B, class F>
   static void each_saved(B& b, F&& f) {
     each_array(b, f);
-    f(b.free_list);
+    for_each_of(f, b.target, b.free_list);
   }
 };
 

@@ -50,28 +50,6 @@ TEST_CASE("the nearest name is near", "[base]") {
   CHECK(nearest_name("zzzzzzzzzzzz", known).empty());
 }
 
-TEST_CASE("arenas count bytes and allocations, scratch stops allocating", "[base]") {
-  Arena arena("test");
-  {
-    Array<double> numbers(&arena);
-    numbers.resize(1000);
-    CHECK(arena.bytes() >= 8000);
-  }
-  CHECK(arena.bytes() == 0);
-  Scratch scratch(arena);
-  std::uint64_t allocations = 0;
-  for (int step = 0; step < 5; ++step) {
-    scratch.reset();
-    for (int i = 0; i < 50; ++i) {
-      double* d = scratch.take<double>(3000);
-      CHECK(reinterpret_cast<std::uintptr_t>(d) % 64 == 0);
-      std::iota(d, d + 3000, i);
-    }
-    if (step == 1) allocations = arena.allocations();
-    if (step > 1) CHECK(arena.allocations() == allocations);
-  }
-}
-
 TEST_CASE("jobs cover every index once, whatever the number of threads", "[base][threads]") {
   for (const int threads : {1, 2, 4}) {
     JobPool pool(threads);

@@ -194,6 +194,16 @@ TEST_CASE("objects: handles go stale, tombstones keep name and place", "[world]"
   // the slot is not used again at once
   for (int i = 0; i < 32; ++i) objects.remove(objects.add(kBody, 0, "x", 0), "");
   CHECK(objects.name(a) == "crate");
+  // names follow their objects when slots are used again
+  std::vector<ObjectId> living;
+  for (int i = 0; i < 300; ++i) {
+    living.push_back(objects.add(kBody, 0, i % 3 ? "" : "n" + std::to_string(i), 0));
+    if (i % 2) objects.remove(living.back(), i % 4 == 1 ? "" : "here");
+    if (i % 2) living.pop_back();
+    objects.validate();
+  }
+  for (std::size_t k = 0; k < living.size(); ++k)
+    CHECK(objects.name(living[k]) == (2 * k % 3 ? "" : "n" + std::to_string(2 * k)));
   for (int i = 0; i < 63; ++i) objects.tag_bit("tag" + std::to_string(i));
   CHECK_THROWS_AS(objects.tag_bit("one too many"), SceneError);
 }

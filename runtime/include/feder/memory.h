@@ -68,6 +68,30 @@ class Scratch {
   Scratch& operator=(const Scratch&) = delete;
 
   void reset();
+  // What is taken while a frame lives ends with it.
+  class Frame {
+   public:
+    explicit Frame(Scratch& scratch) : scratch_(scratch), before_(scratch.at_), blocks_(scratch.blocks_.size()) {}
+    ~Frame() {
+      if (scratch_.blocks_.size() == blocks_)
+        scratch_.at_ = before_;
+      else
+        scratch_.at_.total = before_.total;
+    }
+    Frame(const Frame&) = delete;
+    Frame& operator=(const Frame&) = delete;
+
+   private:
+    friend class Scratch;
+    struct Place {
+      std::size_t used = 0;   // in the last block, from its start
+      std::size_t rare = 0;   // and from its end
+      std::size_t total = 0;  // taken now
+    };
+    Scratch& scratch_;
+    Place before_;
+    std::size_t blocks_;
+  };
   // `count` uninitialised elements, aligned to 64 bytes; valid until reset().
   template <class T>
   T* take(std::size_t count) {
@@ -89,9 +113,8 @@ class Scratch {
   void* take_bytes(std::size_t bytes, bool rare);
 
   Array<Block> blocks_;
-  std::size_t used_ = 0;   // in the last block, from its start
-  std::size_t rare_ = 0;   // and from its end
-  std::size_t total_ = 0;  // asked for since reset
+  Frame::Place at_;
+  std::size_t most_ = 0;  // taken at a time since reset
   Arena* arena_;
 };
 
