@@ -1,6 +1,6 @@
 // Counting sort by `a` in place, by cycles, then each short run by `b`.
-// Source: McIlroy, Bostic, McIlroy, "Engineering Radix Sort" (1993), American flag sort. Kept between calls: work arrays.
-// Weak spot: the counting walks all indices, so few pairs among many boxes are sorted by comparison.
+// Source: McIlroy, Bostic, McIlroy, "Engineering Radix Sort" (1993), American flag sort. Kept between calls: work
+// arrays. Weak spot: the counting walks all indices, so few pairs among many boxes are sorted by comparison.
 #include "broad/pair_sort.h"
 
 #include <algorithm>

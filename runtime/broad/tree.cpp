@@ -38,8 +38,8 @@ class Tree final : public BroadPhase {
  public:
   explicit Tree(Arena& arena)
       : arena_(&arena), boxes_(&arena), fat_(&arena), leaves_(&arena), nodes_(&arena), side_(&arena), changed_(&arena),
-        items_(&arena), transfers_(&arena), candidates_(&arena), side_pairs_(&arena),
-        marked_(&arena), sorter_(arena), still_(arena), moving_(arena) {
+        items_(&arena), transfers_(&arena), candidates_(&arena), side_pairs_(&arena), marked_(&arena), sorter_(arena),
+        still_(arena), moving_(arena) {
     found_by_.emplace_back(arena_);
   }
 
@@ -233,8 +233,8 @@ class Tree final : public BroadPhase {
 
   void merge_candidates(JobPool& jobs) {
     const Array<IndexPair>& found = found_by_[0];
-    mark_candidates(
-        jobs, [&](const IndexPair& p) { return !leaves_[p.a].changed && !leaves_[p.b].changed && one_moves(p); });
+    mark_candidates(jobs,
+                    [&](const IndexPair& p) { return !leaves_[p.a].changed && !leaves_[p.b].changed && one_moves(p); });
     std::size_t from = 0;
     each_marked([&](const IndexPair& p) { candidates_[from++] = p; });
     // from behind, so that nothing is in the way

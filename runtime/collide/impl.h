@@ -252,16 +252,16 @@ struct Collide::Impl {
   Array<const NewContact*> found_in_order{&arena};
   std::vector<Slack> found_by_slack;
   Slack found_slack;
-  Array<SeamEntry> seam_entries{&arena};                      // sorted by body
-  Array<std::uint32_t> watched{&arena};                       // indices in `entries`
-  Array<Exclusion> exclusions{&arena};                        // sorted
-  bool scenery_changed = false;                               // something at rest counts as moving in this step
-  bool examine_all = false;                                   // after a load
-  bool recheck_filters = false;                               // exclusions changed
-  bool recheck_surfaces = false;                              // material pairs changed
-  std::vector<std::string> materials;                         // number - 1
-  Array<SurfaceNumbers> material_numbers{&arena};             // number - 1; may be shorter
-  std::vector<MaterialPair> material_pairs;                   // sorted, a <= b
+  Array<SeamEntry> seam_entries{&arena};           // sorted by body
+  Array<std::uint32_t> watched{&arena};            // indices in `entries`
+  Array<Exclusion> exclusions{&arena};             // sorted
+  bool scenery_changed = false;                    // something at rest counts as moving in this step
+  bool examine_all = false;                        // after a load
+  bool recheck_filters = false;                    // exclusions changed
+  bool recheck_surfaces = false;                   // material pairs changed
+  std::vector<std::string> materials;              // number - 1
+  Array<SurfaceNumbers> material_numbers{&arena};  // number - 1; may be shorter
+  std::vector<MaterialPair> material_pairs;        // sorted, a <= b
 };
 
 // Object pairs of exclusions are unordered.

@@ -1,8 +1,8 @@
 // Resting pairs: those whose two sides both lie still. They leave `entries`, so that no pass of a step sees them, and
 // wait in lists by collider until a side moves, is changed or is removed. Everything that is read from these lists is
-// sorted by (a, b, sub) first: the order in which pairs came to rest decides nothing. Kept between steps: their entries;
-// snapshots hold those, and the lists follow from them. Source: sleeping sets, Catto, "Solver sets" (Box2D v3 / Box3D
-// notes, 2024); written from the idea.
+// sorted by (a, b, sub) first: the order in which pairs came to rest decides nothing. Kept between steps: their
+// entries; snapshots hold those, and the lists follow from them. Source: sleeping sets, Catto, "Solver sets" (Box2D v3
+// / Box3D notes, 2024); written from the idea.
 #include <algorithm>
 
 #include "collide/impl.h"

@@ -88,7 +88,8 @@ void Collide::Impl::collide(StepContext& c) {
   const std::uint32_t count = static_cast<std::uint32_t>(entries.size());
   constexpr std::uint32_t kAhead = 8;     // pairs with a mesh have kMaxManifolds entries each
   constexpr JobGrain kGrain{64, 10'000};  // contacts; a third of that when all are recycled
-  while (found_by.size() < static_cast<std::size_t>(c.jobs->threads())) found_by.emplace_back(&arena), found_by_slack.emplace_back();
+  while (found_by.size() < static_cast<std::size_t>(c.jobs->threads()))
+    found_by.emplace_back(&arena), found_by_slack.emplace_back();
   c.jobs->for_blocks(count, kGrain, [&](std::uint32_t first, std::uint32_t last, int worker) {
     for (std::uint32_t i = first; i < last; ++i) {
       if (i + kAhead < count) fetch(entries[i + kAhead]);
@@ -265,8 +266,8 @@ std::uint32_t Collide::Impl::test_fresh(std::span<const ContactEntry> group, Rea
 }
 
 // `ahead`: how far b's centre comes nearer until the manifold, zero when it is that of now.
-void Collide::Impl::write_manifold(Contact& contact, ContactBase& base, const Manifold& m,
-                                   std::span<const Contact> old, Real limit, const Vec3& ahead) {
+void Collide::Impl::write_manifold(Contact& contact, ContactBase& base, const Manifold& m, std::span<const Contact> old,
+                                   Real limit, const Vec3& ahead) {
   const Vec3 &center_a = colliders->center[contact.collider_a], &center_b = colliders->center[contact.collider_b];
   FEDER_ASSERT(m.count >= 0 && m.count <= kMaxContactPoints);
   // wide: normals across distances whose squares underflow are rough, and overflow leaves none of huge shapes

@@ -13,9 +13,9 @@
 namespace feder {
 namespace {
 
-constexpr Real kPieceExtents = 8;             // length of a piece, of the body's extent
-constexpr int kMostPieces = 64;               // longer pieces beyond
-constexpr Real kRound = Real(1.001);          // an extent over the half width up to here: a ball
+constexpr Real kPieceExtents = 8;               // length of a piece, of the body's extent
+constexpr int kMostPieces = 64;                 // longer pieces beyond
+constexpr Real kRound = Real(1.001);            // an extent over the half width up to here: a ball
 constexpr std::uint32_t kMostObstacles = 2048;  // in a step, of one body
 
 Pose at_time(const OwnerMotion& m, Real t) {

@@ -341,11 +341,11 @@ struct Rigid::Impl {
   Array<std::uint32_t> moving{
       &arena};  // awake dynamic and kinematic bodies, ascending; moving[p] has solver index p + 1
   bool list_stale = true;
-  Array<std::uint32_t> fast{&arena};     // places in `moving` of bodies that may pass through something, ascending
-  Array<FastStop> stops{&arena};         // of those
+  Array<std::uint32_t> fast{&arena};  // places in `moving` of bodies that may pass through something, ascending
+  Array<FastStop> stops{&arena};      // of those
   Slack stops_slack;
-  Array<OwnerMotion> stop_motions{&arena};  // of what those meet that stop
-  Array<std::uint8_t> fast_marks{&arena};  // by p: is in `fast`
+  Array<OwnerMotion> stop_motions{&arena};                    // of what those meet that stop
+  Array<std::uint8_t> fast_marks{&arena};                     // by p: is in `fast`
   std::vector<Array<std::uint32_t>> stop_scratch;             // by worker
   Array<ObjectId> moved{&arena};                              // awake in the last step
   Array<std::uint32_t> touching{&arena};                      // slots of contacts; wake_touching
@@ -370,13 +370,13 @@ struct Rigid::Impl {
   bool cap_warned = false;    // warned of the iteration limit
   bool poses_stale = false;   // collider poses are of the start of the last step
   bool any_candidate = false;
-  Array<std::uint32_t> jumpers{&arena};     // bodies whose islands the watchdog has to look at in this step
+  Array<std::uint32_t> jumpers{&arena};  // bodies whose islands the watchdog has to look at in this step
   // of those that are accounted, in the scratch memory of the step
   std::uint32_t* island_numbers = nullptr;  // by root, or kNone
   IslandEnergy* island_energies = nullptr;  // by number
   std::uint32_t island_count = 0;
-  std::uint64_t now = 0;                    // next step
-  bool warned_far = false;                  // warned of motion lost far from the origin
+  std::uint64_t now = 0;    // next step
+  bool warned_far = false;  // warned of motion lost far from the origin
 };
 
 }  // namespace feder

@@ -59,8 +59,7 @@ void SoftJoints::list_bodies(const SolverInput& in) {
   const std::size_t count = in.solver_bodies->state.size();
   marks_.assign(count, 0);
   for (const std::uint32_t j : in.active_joints)
-    for (const std::uint32_t slot : {in.joints[j].slot_a, in.joints[j].slot_b})
-      marks_[in.solver_bodies->at(slot)] = 1;
+    for (const std::uint32_t slot : {in.joints[j].slot_a, in.joints[j].slot_b}) marks_[in.solver_bodies->at(slot)] = 1;
   bodies_.clear();
   bodies_.reserve(count);
   for (std::uint32_t i = 1; i < count; ++i)

@@ -219,8 +219,7 @@ void Rigid::Impl::watch(const StepContext& c) {
       const double energy = kinetic_energy(k, bodies.rotation[k], bodies.velocity[k], bodies.angular_velocity[k]);
       if (energy > most || !(energy <= 1e300)) worst = k, most = energy;
     }
-    watched.suspects.push_back(
-        {kName, bodies.object[worst], before, own.after, own.given, own.mass, false, kCure});
+    watched.suspects.push_back({kName, bodies.object[worst], before, own.after, own.given, own.mass, false, kCure});
   }
 }
 

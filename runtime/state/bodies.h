@@ -62,8 +62,8 @@ struct Bodies {
   static void each_array(B& b, F&& f) {
     for_each_of(f, b.type, b.awake, b.can_sleep, b.sleep_threshold, b.bullet, b.lock, b.object, b.position, b.rotation,
                 b.velocity, b.angular_velocity, b.local_com, b.mass, b.inv_mass, b.inertia, b.inv_inertia, b.force,
-                b.torque, b.gravity_scale, b.linear_damping, b.angular_damping, b.extent, b.has_target,
-                b.sleep_energy, b.island, b.first_collider, b.solver_slot);
+                b.torque, b.gravity_scale, b.linear_damping, b.angular_damping, b.extent, b.has_target, b.sleep_energy,
+                b.island, b.first_collider, b.solver_slot);
   }
   // Calls f(member) for what snapshots hold.
   template <class B, class F>

@@ -33,7 +33,7 @@ struct Contact {
   std::uint8_t touching = 0;  // has points with separation below the margin, which are solved
   std::uint8_t fresh = 0;     // new manifold this step (not recycled)
   std::uint8_t point_count = 0;
-  std::uint8_t unused = 0;  // no padding
+  std::uint8_t unused = 0;     // no padding
   Vec3 normal = Vec3::Zero();  // a to b, world
   ContactPoint points[kMaxContactPoints];
   Real friction_static = 0, friction_dynamic = 0, restitution = 0, rolling_friction = 0;  // mixed; rolling in m (arm)
