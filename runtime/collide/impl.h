@@ -141,6 +141,8 @@ struct Collide::Impl {
   bool keep(const ContactEntry& e, bool reported) const;
   void create(std::uint32_t a, std::uint32_t b);
   void release(const ContactEntry& e);
+  void free_slot(std::uint32_t slot);
+  void measure(PairMemory& m, std::uint32_t a, std::uint32_t b) const;
   void write_order();
 
   // resting.cpp

@@ -158,9 +158,7 @@ void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
   const std::uint32_t pair = take_index(free_pairs, memory.size(), [&] { memory.emplace_back(); });
   PairMemory& m = memory[pair];
   m = {};
-  m.about_a = seen[a].extent <= seen[b].extent;
-  m.extent = std::min(seen[a].extent, seen[b].extent);
-  m.margin = std::min(kSpeculative, kSpeculativeShare * m.extent);
+  measure(m, a, b);
   const bool scenery = (c.motion[a] == ColliderMotion::dynamic) != (c.motion[b] == ColliderMotion::dynamic);
   const int bits = kNew | (scenery && !sensor ? kAgainstScenery : 0) | (many ? kMany : 0) | (sensor ? kSensorPair : 0) |
                    (c.sensor[b] ? kSensorIsB : 0);
@@ -175,8 +173,19 @@ void Collide::Impl::release(const ContactEntry& e) {
   if (e.sub == 0) free_pairs.push_back(e.pair);
   if (e.slot == kNone) return;
   FEDER_ASSERT(contacts->slots[e.slot].collider_a == e.a && contacts->slots[e.slot].sub == e.sub);
-  contacts->slots[e.slot] = Contact{};
-  contacts->free_list.push_back(e.slot);
+  free_slot(e.slot);
+}
+
+void Collide::Impl::free_slot(std::uint32_t slot) {
+  contacts->slots[slot] = Contact{};
+  contacts->free_list.push_back(slot);
+}
+
+// What follows from the shapes of a pair.
+void Collide::Impl::measure(PairMemory& m, std::uint32_t a, std::uint32_t b) const {
+  m.about_a = seen[a].extent <= seen[b].extent;
+  m.extent = std::min(seen[a].extent, seen[b].extent);
+  m.margin = std::min(kSpeculative, kSpeculativeShare * m.extent);
 }
 
 // How many entries at the front stay as they are; `pair`: the first of `pairs` that comes after them.

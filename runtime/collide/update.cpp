@@ -131,8 +131,7 @@ bool Collide::Impl::free_slots() {
   bool any = false;
   for (ContactEntry& e : entries) {
     if (e.slot == kNone || (e.bits & kTouching)) continue;
-    contacts->slots[e.slot] = Contact{};
-    contacts->free_list.push_back(e.slot);
+    free_slot(e.slot);
     e.slot = kNone;
     any = true;
   }
@@ -156,9 +155,7 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt, Array<NewContact>& fo
   PairMemory& m = memory[group[0].pair];
   if (seen_bits & kChanged) {
     m.valid = 0;
-    m.about_a = seen[a].extent <= seen[b].extent;
-    m.extent = std::min(seen[a].extent, seen[b].extent);
-    m.margin = std::min(kSpeculative, kSpeculativeShare * m.extent);
+    measure(m, a, b);
   }
   const bool ahead = !(group[0].bits & kTouching) && may_pass(a, b, dt);
   std::size_t next = found.size();

@@ -1,11 +1,13 @@
 // Arenas, work arrays and scratch memory: what they count, what they give back, what they keep apart.
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <memory>
 #include <new>
 #include <numeric>
 #include <vector>
 
+#include "base/hash.h"
 #include "feder/memory.h"
 #include "support/catch.h"
 
@@ -62,6 +64,26 @@ TEST_CASE("a frame of scratch memory ends with what was taken in it, and with no
     if (step > 1) CHECK(arena.bytes() == after_frames);
   }
   CHECK(after_frames < 200'000);  // not twenty times what a frame takes
+}
+
+TEST_CASE("a hash of a sequence tells every word and the order", "[base]") {
+  const auto hash = [](std::vector<std::array<std::uint64_t, 3>> records) {
+    SequenceHash h;
+    for (const auto& r : records) h.add(r[0], r[1], r[2]);
+    return h;
+  };
+  const std::vector<std::array<std::uint64_t, 3>> all = {{1, 2, 3}, {4, 5, 6}, {0, 0, 0}};
+  CHECK(hash(all) == hash(all));
+  for (std::size_t record = 0; record < 3; ++record)
+    for (std::size_t word = 0; word < 3; ++word)
+      for (int bit = 0; bit < 64; ++bit) {
+        auto other = all;
+        other[record][word] ^= std::uint64_t(1) << bit;
+        REQUIRE_FALSE(hash(other) == hash(all));
+      }
+  CHECK_FALSE(hash({all[1], all[0], all[2]}) == hash(all));
+  CHECK_FALSE(hash({all[0], all[1]}) == hash(all));
+  CHECK_FALSE(word_of(Real(0)) == word_of(-Real(0)));
 }
 
 TEST_CASE("a work array gives back what one step needed, and keeps what all need", "[base][memory]") {
