@@ -37,6 +37,7 @@ constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::artificial_viscosity>("artificial_viscosity", "", {0, 10}),
     field<&FluidDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     field<&FluidDesc::iterations>("iterations", "", {1, 1000}),
+    field<&FluidDesc::tolerance>("tolerance", "%", {1e-6, 100}),
     field<&FluidDesc::max_substeps>("max_substeps", "", {1, 100000}),
     field<&FluidDesc::max_particles>("max_particles", "", {1, 134217728}),
     field<&FluidDesc::group>("group", "", kBits),

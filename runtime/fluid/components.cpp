@@ -252,4 +252,33 @@ FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext
   return scales;
 }
 
+ColumnScales column_scales(const FluidPool& p, const Vec3& gravity) {
+  constexpr Real kCompany = Real(0.2);  // least density over density at rest by neighbours
+  const Real g = length(gravity);
+  ColumnScales column;
+  Real low = kInfinity;
+  double sum = 0;
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    const Vec3 v = p.v[i].vec();
+    column.speed2 = std::max(column.speed2, dot(v, v));
+    if (p.ratio[i] < p.own_value + kCompany) continue;
+    const Real s = -dot(gravity, p.x[i].vec());
+    low = std::min(low, s), sum += static_cast<double>(s), ++column.count;
+    column.box.include(p.x[i].vec());
+  }
+  if (g > 0 && column.count > 0) column.height = 2 * (static_cast<Real>(sum / column.count) - low) / g + p.desc.spacing;
+  return column;
+}
+
+Real body_speed_near(const Boundary& boundary, const Aabb& box, Real h) {
+  Real speed = 0;
+  for (const BoundaryShape& w : boundary.shapes) {
+    const BoundaryBody& b = boundary.bodies[w.body];
+    Aabb swept = w.box;
+    swept.grow(h * length(b.velocity));
+    if (overlaps(swept, box)) speed = std::max(speed, length(b.velocity));
+  }
+  return speed;
+}
+
 }  // namespace feder

@@ -15,4 +15,16 @@ struct FlowScales {
 // tests/fluid/test_lone_drop.cpp.
 FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext& c);
 
+// The fluid as one column: of particles with neighbours, as isolated ones do not weigh on it.
+struct ColumnScales {
+  Real speed2 = 0;  // largest of all particles, squared, m^2/s^2
+  Real height = 0;  // twice the mean height above the lowest particle, m; 0 where there is none, or no gravity
+  std::uint32_t count = 0;
+  Aabb box;
+};
+ColumnScales column_scales(const FluidPool& p, const Vec3& gravity);
+
+// Largest speed of bodies whose boxes meet `box` within h seconds, m/s.
+Real body_speed_near(const Boundary& boundary, const Aabb& box, Real h);
+
 }  // namespace feder

@@ -23,6 +23,7 @@ void check_desc(const FluidDesc& d) {
   need(d.support == 0 || (d.support >= Real(1.2) && d.support <= 4), "support", "1.2 to 4 spacings", d.support);
   need(d.stiffness >= 0 && is_finite(d.stiffness), "stiffness", "a finite number, 0 or more", d.stiffness);
   need(d.iterations >= 1 && d.iterations <= 1000, "iterations", "1 to 1000", d.iterations);
+  need(d.tolerance > 0 && d.tolerance <= 100, "tolerance", "above 0, to 100 per cent", d.tolerance);
   need(d.compression >= 0 && d.compression <= Real(0.5), "compression", "0 to 0.5", d.compression);
   need(d.artificial_viscosity >= 0 && d.artificial_viscosity <= 10, "artificial_viscosity", "0 to 10",
        d.artificial_viscosity);

@@ -39,13 +39,11 @@ constexpr Real kMaxExcess =
 constexpr Real kMaxBoundaryExcess = 1;  // likewise of the boundary
 constexpr Real kMaxTravel = 1;          // CFL number: spacings that particles or bodies move in a solver substep
 constexpr Real kMaxStrain =
-    Real(0.03);                        // compression at the ground of a column at rest that a solver substep may leave
-constexpr Real kMaxLoad = Real(0.08);  // Q over iterations: half of what is stable
-constexpr Real kLattice = 5;           // squared gradients on a lattice over FluidPool::least_squares
-constexpr double kMaxGrowth = 1.5;     // of the residual over its least, before the iterations become plain steps
-constexpr Real kMaxPush = 2;           // Q of a single particle: above a load of 1, below what makes fountains
-constexpr Real kCompany =
-    Real(0.2);  // least density over density at rest by neighbours, of particles that belong to the column
+    Real(0.03);                         // compression at the ground of a column at rest that a solver substep may leave
+constexpr Real kMaxLoad = Real(0.08);   // Q over iterations: half of what is stable
+constexpr Real kLattice = 5;            // squared gradients on a lattice over FluidPool::least_squares
+constexpr double kMaxGrowth = 1.5;      // of the residual over its least, before the iterations become plain steps
+constexpr Real kMaxPush = 2;            // Q of a single particle: above a load of 1, below what makes fountains
 constexpr Real kPatience = Real(0.25);  // s, for which the fluid is too dense before a warning: splashes pass
 
 // Coefficients of Chebyshev's semi-iteration: the next change of the multipliers is `step` times the residual plus
@@ -125,41 +123,22 @@ class Pbf final : public FluidSolver {
   Real h_ = 0;  // s, of a fluid substep
 };
 
-// The column consists of particles with neighbours: isolated ones do not weigh on it.
 Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real g = length(gravity), d = p.desc.spacing;
-  Real speed2 = 0, low = kInfinity;
-  double sum = 0;
-  std::uint32_t n = 0;
-  Aabb box;
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    const Vec3 v = p.v[i].vec();
-    speed2 = std::max(speed2, dot(v, v));
-    if (p.ratio[i] < p.own_value + kCompany) continue;
-    const Real s = -dot(gravity, p.x[i].vec());
-    low = std::min(low, s), sum += static_cast<double>(s), ++n;
-    box.include(p.x[i].vec());
-  }
+  ColumnScales column = column_scales(p, gravity);
+  Real speed2 = column.speed2;
   Wanted wanted;
   // components matter only where a particle moves by more than the CFL number in one step
   if (c.h * std::sqrt(speed2) > kMaxTravel * d) speed2 = flow_scales(p, *boundary, c).speed2;
   Real speed = std::sqrt(speed2);
   wanted.travel = c.h * speed / (kMaxTravel * d);
-  if (n == 0) return wanted;
-  // bodies near the column
-  box.grow(p.support);
-  for (const BoundaryShape& w : boundary->shapes) {
-    const BoundaryBody& b = boundary->bodies[w.body];
-    Aabb swept = w.box;
-    swept.grow(c.h * length(b.velocity));
-    if (overlaps(swept, box)) speed = std::max(speed, length(b.velocity));
-  }
+  if (column.count == 0) return wanted;
+  column.box.grow(p.support);
+  speed = std::max(speed, body_speed_near(*boundary, column.box, c.h));
   wanted.travel = c.h * speed / (kMaxTravel * d);
   if (!(g > 0)) return wanted;
-  // load: the height of a column is twice the mean height above the lowest particle
-  const Real height = 2 * (static_cast<Real>(sum / n) - low) / g + d;
-  const Real load = g * c.h * c.h * height / (d * d), iterations = static_cast<Real>(p.desc.iterations);
+  const Real load = g * c.h * c.h * column.height / (d * d), iterations = static_cast<Real>(p.desc.iterations);
   const Real strain = 5 * kLattice * p.least_squares * d * d * load / (iterations * iterations);
   wanted.load = std::sqrt(std::max(load / std::min(kMaxLoad * iterations, Real(1)), strain / kMaxStrain));
   return wanted;

@@ -87,6 +87,8 @@ void FluidPool::grow(std::uint32_t wanted) {
   for (auto* array : {&id, &order, &swap_id}) array->resize(room);
   for (auto* array : {&origin, &listed_at})
     if (!array->empty()) array->resize(room + 1);
+  for (auto* array : {&residual, &allowed, &air, &shifts})
+    if (!array->empty()) array->resize(room + 1);
   isolated.resize(room), contact_first.resize(room + 1);
   lists.count.resize(room), lists.rounded.resize(room);
   lists.index.resize(static_cast<std::size_t>(room) * lists.stride + 8);
@@ -100,6 +102,11 @@ void FluidPool::keep_origins() {
 
 void FluidPool::keep_listed() {
   if (listed_at.empty()) listed_at.resize(x.size());
+}
+
+void FluidPool::keep_solved() {
+  for (auto* array : {&residual, &allowed, &air, &shifts})
+    if (array->empty()) array->resize(x.size());
 }
 
 void FluidPool::put_sentinel() {

@@ -45,20 +45,22 @@ struct FluidPool {
   // more than there are particles: the sentinel of padded lists, far away.
   Array<Row4> x{&arena};
   Array<Row4> v{&arena};  // m/s
-  // Pressure variable of the solver. pbf: multiplier of the last substep, kg m^2, read by queries only; wcsph: pressure
-  // that is added to Tait's, Pa.
+  // Pressure variable of the solver. dfsph: multiplier of the last substep, kg m^2/s; pbf: multiplier of the last
+  // substep, kg m^2, read by queries only; wcsph: pressure that is added to Tait's, Pa.
   Array<Real> lambda{&arena};
   Array<std::uint32_t> id{&arena};  // in the order of making
   std::uint32_t next_id = 0;
-  Real last_h = 0;          // s, of the substep that left lambda
-  Real sound = 0;           // wcsph: speed of sound of the last substep, m/s
-  Real sound_before = 0;    // wcsph: of the one before; 0: none. Work
-  Real settling = 0;        // wcsph: time in which pressure settles after a rise of it, s. Work
-  Real too_dense = 0;       // pbf: s, for which it has been denser than wanted
-  std::uint64_t steps = 0;  // solver substeps since it was made, for reports
-  bool frozen = false;      // quarantined
-  std::uint32_t group = 0;  // in the loop of fluid substeps of this substep; work
-  bool fresh = false;       // filled since the last step
+  Real last_h = 0;               // s, of the substep that left lambda
+  Real sound = 0;                // wcsph: speed of sound of the last substep, m/s
+  Real sound_before = 0;         // wcsph: of the one before; 0: none. Work
+  Real settling = 0;             // wcsph: time in which pressure settles after a rise of it, s. Work
+  Real too_dense = 0;            // pbf, dfsph: s, for which it has been denser than wanted
+  Real unsolved = 0;             // dfsph: s, for which velocities have missed their tolerance
+  std::uint64_t steps = 0;       // solver substeps since it was made, for reports
+  std::uint64_t iterations = 0;  // dfsph: likewise
+  bool frozen = false;           // quarantined
+  std::uint32_t group = 0;       // in the loop of fluid substeps of this substep; work
+  bool fresh = false;            // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
 
   // For the watchdog; `kinetic` includes particles added since.
@@ -78,8 +80,11 @@ struct FluidPool {
   Array<Real> sum{&arena}, squares{&arena};  // density sums, sums of squared gradients
   Array<Real> diagonal{&arena};              // K of pbf
   Array<Real> ratio{&arena};                 // density over density at rest
-  Array<Real> next_weight{&arena};           // pbf, relax: becomes the weight in x before the next sweep
-  Array<std::uint8_t> isolated{&arena};      // 1: meets no other particle in this substep, see components.h
+  // dfsph, these four empty until it asks for them: growth of densities, less what is allowed; what is allowed; share
+  // of the kernel that lies in the air; multipliers of displacements.
+  Array<Real> residual{&arena}, allowed{&arena}, air{&arena}, shifts{&arena};
+  Array<Real> next_weight{&arena};       // pbf, relax: becomes the weight in x before the next sweep
+  Array<std::uint8_t> isolated{&arena};  // 1: meets no other particle in this substep, see components.h
   Array<std::uint32_t> order{&arena};
   Array<Row4> swap4{&arena};  // these three: work of sort_by_cell
   Array<Real> swap1{&arena};
@@ -96,6 +101,7 @@ struct FluidPool {
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
   void grow(std::uint32_t wanted);                        // outside steps; all arrays by particle
   void keep_origins();                                    // origin is kept from now on, and grows with the others
+  void keep_solved();                                     // likewise what dfsph needs
   void keep_listed();                                     // likewise listed_at
   void add(const Vec3& position, const Vec3& velocity);   // below capacity()
   void remove_marked(const Array<std::uint8_t>& marked);  // keeps the order

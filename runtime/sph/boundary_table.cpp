@@ -107,6 +107,17 @@ BoundaryTable::BoundaryTable(const Kernel& kernel, int d, double support) {
       if (s > 0) friction += dz * slice.friction;
     }
   }
+  // shares by colour: both fall with the distance, colour from its value at the plane to 0
+  const WideReal full = samples_[kCells / 2].colour;
+  int at = kCells;
+  for (int i = 0; i <= kAirCells; ++i) {
+    const WideReal wanted = full * static_cast<WideReal>(i) / kAirCells;
+    while (at > kCells / 2 && samples_[at - 1].colour <= wanted) --at;
+    const BoundaryTerms& far = samples_[at];
+    const BoundaryTerms& near = samples_[std::max(at - 1, kCells / 2)];
+    const WideReal between = near.colour > far.colour ? (wanted - far.colour) / (near.colour - far.colour) : 0;
+    air_[i] = far.share + std::min(std::max(between, WideReal(0)), WideReal(1)) * (near.share - far.share);
+  }
 }
 
 }  // namespace feder

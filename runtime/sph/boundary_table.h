@@ -39,7 +39,18 @@ class BoundaryTable {
             a.colour + f * (b.colour - a.colour), a.friction + f * (b.friction - a.friction)};
   }
 
+  // The share of the kernel beyond a plane where its slope by the distance is `colour`; at most that of the half space.
+  WideReal air(WideReal colour) const {
+    const WideReal t = colour / samples_[kCells / 2].colour * kAirCells;
+    if (!(t > 0)) return 0;
+    const int i = t < kAirCells ? static_cast<int>(t) : kAirCells - 1;
+    const WideReal f = t < kAirCells ? t - static_cast<WideReal>(i) : 1;
+    return air_[i] + f * (air_[i + 1] - air_[i]);
+  }
+
  private:
+  static constexpr int kAirCells = 128;
+  WideReal air_[kAirCells + 1];
   BoundaryTerms samples_[kCells + 1];
 };
 

@@ -170,7 +170,21 @@ struct SweepsOf {
     });
   }
 
-  static constexpr Sweeps table() { return {values, slopes, push, push_damped, push_from, cohere, viscous}; }
+  static void growth(const SweepInput& s, unsigned first, unsigned last, WideReal* out) {
+    const Lanes inv = all_lanes(s.inv_support);
+    for (unsigned i = first; i < last; ++i) {
+      const Four own = spread(s.points + 4ul * i), v = spread(s.velocity + 4ul * i);
+      Lanes sum = zero_lanes();
+      each_eight(s, i, [&](const unsigned* at) {
+        const Pair p = pair(own, gather(s.points, at), inv);
+        const Four vo = gather(s.velocity, at);
+        sum += Gradient::slope(p.u) * ((v.x - vo.x) * p.x + (v.y - vo.y) * p.y + (v.z - vo.z) * p.z);
+      });
+      out[i] = total(sum);
+    }
+  }
+
+  static constexpr Sweeps table() { return {values, slopes, push, push_damped, push_from, growth, cohere, viscous}; }
 };
 
 // Viscous pair term of Monaghan & Gingold 1983: along the line between the particles, so that it keeps angular

@@ -4,7 +4,7 @@ local feder = require "feder"
 local fluid = require "feder.fluid"
 
 local spacing = feder.param("spacing", 0.05, { min = 0.02, max = 0.1, help = "m; half of it is eight times the particles" })
-local solver = feder.param("solver", "pbf", { choices = { "pbf", "wcsph" } })
+local solver = feder.param("solver", "pbf", { choices = { "pbf", "dfsph", "wcsph" } })
 
 local a, depth, length = 1, 0.4, 3.2  -- column a x a, tank, m
 local wall = 0.2

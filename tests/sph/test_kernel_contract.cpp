@@ -123,6 +123,11 @@ TEST_CASE("a lattice beside a wall is at rest: density and force of the first la
   CHECK(table.at(-1).share == Approx(1).margin(2e-3));
   CHECK(table.at(1).share == 0);
   CHECK(table.at(0).colour > table.at(WideReal(0.5)).colour);
+  // the air beyond a free surface follows from the slope of the kernel's share in it
+  for (const double s : {0.0, 0.1, 0.3, 0.5, 0.7, 0.9})
+    CHECK(table.air(table.at(WideReal(s)).colour) == Approx(table.at(WideReal(s)).share).margin(2e-3));
+  CHECK(table.air(0) == 0);
+  CHECK(table.air(2 * table.at(0).colour) == Approx(0.5).margin(1e-3));
   for (double s = -0.95; s < 0.95; s += 0.0313) {
     const double e = 1.0 / 128, fall = (table.at(WideReal(s - e)).value - table.at(WideReal(s + e)).value) / (2 * e);
     CHECK(table.at(WideReal(s)).slope == Approx(fall).epsilon(0.02).margin(0.02));
@@ -166,6 +171,7 @@ TEST_CASE("sums over neighbours equal plain sums, and the wide ones bit for bit"
     s.viscous(in, 0, n, four.data()), out.push_back(four);
     s.cohere(in, 0, n, four.data()), out.push_back(four);
     s.push_from(in, 0, n, four.data()), out.push_back(four);
+    s.growth(in, 0, n, one.data()), out.push_back(one);
     return out;
   };
   const auto plain = run(*k.sweeps);
@@ -174,7 +180,7 @@ TEST_CASE("sums over neighbours equal plain sums, and the wide ones bit for bit"
   const double nd = k.norm_density[1], ng = k.norm_gradient[1];
   double momentum[3] = {0, 0, 0};
   for (unsigned i = 0; i < n; ++i) {
-    double value = 0, slope[3] = {}, square = 0, push[3] = {};
+    double value = 0, slope[3] = {}, square = 0, push[3] = {}, growth = 0;
     for (unsigned m = 0; m < rounded[i]; ++m) {
       const unsigned j = neighbors[i * stride + m];
       if (j == n) continue;
@@ -185,12 +191,14 @@ TEST_CASE("sums over neighbours equal plain sums, and the wide ones bit for bit"
       square += g * g * u * u;
       for (unsigned c = 0; c < 3; ++c) {
         slope[c] += g * x[c];
+        growth += g * x[c] * (double(velocity[4 * i + c]) - velocity[4 * j + c]);
         push[c] += g * x[c] * (points[4 * i + 3] + points[4 * j + 3]);
       }
     }
     CHECK(plain[0][i] == Approx(value).epsilon(1e-4));
     CHECK(plain[1][4 * i + 3] == Approx(value).epsilon(1e-4));
     CHECK(plain[2][i] == Approx(square).epsilon(1e-4));
+    CHECK(plain[8][i] == Approx(growth).margin(2e-3));
     for (unsigned c = 0; c < 3; ++c) {
       CHECK(plain[1][4 * i + c] == Approx(slope[c]).margin(2e-3));
       CHECK(plain[3][4 * i + c] == Approx(push[c]).margin(2e-3));

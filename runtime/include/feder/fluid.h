@@ -42,6 +42,7 @@ struct FluidDesc {
   Real support = 0;                       // of the kernel, in spacings; 0: what the kernel proposes
   Real stiffness = 0;                     // bulk modulus, Pa; 0: as stiff as the solver can make it
   int iterations = 4;                     // pbf, per substep
+  Real tolerance = Real(0.1);             // dfsph, mean error of the density, per cent
   Real compression = 0;                   // wanted: wcsph at the largest pressure, pbf mean; 0: wcsph 0.01, pbf 0.05
   Real artificial_viscosity = Real(0.1);  // wcsph, alpha of Monaghan
   int max_substeps = 60;                  // largest number of solver substeps in a substep of the world
@@ -53,7 +54,8 @@ struct FluidDesc {
   template <class D, class F>
   static void each_field(D& d, F&& f) {
     f(d.name), f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.surface_tension), f(d.solver), f(d.kernel);
-    f(d.neighbors), f(d.support), f(d.stiffness), f(d.iterations), f(d.compression), f(d.artificial_viscosity);
+    f(d.neighbors), f(d.support), f(d.stiffness), f(d.iterations), f(d.tolerance), f(d.compression),
+        f(d.artificial_viscosity);
     f(d.max_substeps), f(d.max_particles), f(d.gravity_scale), f(d.group), f(d.mask);
   }
 };

@@ -1,0 +1,235 @@
+// Divergence-free SPH: two solves in a solver substep, in the spirit of Bender & Koschier ("Divergence-Free SPH for
+// Incompressible and Viscous Fluids", TVCG 2017), each to the tolerance of the fluid. Differences:
+//  - velocities are kept from making the fluid denser than it is, or than at rest where it is less dense: the one
+//    solve that pressure comes from. Its multipliers go on from those of the last substep (new particles begin at 0);
+//  - what density is left over is taken out by displacements that no velocity feels, nor any body: a correction of
+//    positions neither throws fluid up nor drains waves. Particles under pressure may come nearer by it as well as
+//    apart: what only pushed apart would lift the fluid a little in each substep, and let it fall as noise;
+//  - at the free surface, particles lack neighbours and would sink together until they are as dense as the rest; the
+//    share of the kernel that lies in the air follows from the gradient of the density (BoundaryTable::air) and is
+//    counted as fluid, in the first solve. (In the second it would keep lifting the surface: noise of 0.1 m/s in
+//    still water.);
+//  - conjugate gradients with bounds (pressure_system.h) in place of Jacobi steps.
+// Bodies are part of the system: their masses are in it, and they move with every iteration.
+// Kept between calls: the multipliers, in FluidPool::lambda, kg m^2/s; over h V they are the pressure. Weak spots: a
+// slosh of 20 spacings' depth still loses 8 % of its amplitude in half a period with the kernel "wendland" over 4
+// spacings (tests/fluid/test_waves.cpp), and far more with "cubic"; pressure does not pull.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "base/cast.h"
+#include "fluid/components.h"
+#include "fluid/pressure_system.h"
+#include "fluid/solver.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kCflTravel = Real(0.4);          // spacings that particles or bodies move in a solver substep
+constexpr int kMostIterations = 100;            // of a solve
+constexpr double kVelocityTolerance = 0.05;      // growth of the density in a substep, over the tolerance of the density
+constexpr Real kCarriedLoad = 1;                // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
+constexpr Real kMaxShift = Real(0.5);           // spacings, of a displacement
+constexpr double kMissed = 10;    // times the tolerance: errors that are worth a warning
+constexpr Real kBudgetPatience = Real(0.25);    // s, for which a solve fails before a warning: splashes pass
+
+class Dfsph final : public FluidSolver {
+ public:
+  explicit Dfsph(Arena& arena) : system_(arena) {}
+  void add_passes(StepPlan& plan) override {
+    for (FluidPool* p : pools) p->keep_solved();
+    plan.add<&Dfsph::choose_steps>(Rank::fluid_choose, "dfsph substeps", Fluid::kName, this);
+    plan.add<&Dfsph::sort>(Rank::fluid_predict, "dfsph sort", Fluid::kName, this);
+    plan.add<&Dfsph::search>(Rank::fluid_neighbors, "dfsph neighbors", Fluid::kName, this);
+    plan.add<&Dfsph::boundary_contacts>(Rank::fluid_boundary, "dfsph boundary contacts", Fluid::kName, this);
+    plan.add<&Dfsph::correct_density>(Rank::fluid_pressure, "dfsph density", Fluid::kName, this);
+    plan.add<&Dfsph::correct_velocities>(Rank::fluid_friction, "dfsph divergence", Fluid::kName, this);
+    plan.add<&Dfsph::move>(Rank::fluid_move, "dfsph move", Fluid::kName, this);
+    plan.add<&Dfsph::project>(Rank::fluid_project, "dfsph non-penetration", Fluid::kName, this);
+    plan.add<&Dfsph::check_budget>(Rank::fluid_check, "dfsph budget", Fluid::kName, this);
+  }
+  Real pressure(const FluidPool& p, std::uint32_t i) const override {
+    FEDER_ASSERT(i < p.count);
+    if (!(p.last_h > 0)) return 0;
+    return p.ratio[i] * p.ratio[i] * p.lambda[i] / (p.last_h * p.volume) - p.inward;
+  }
+  bool iterates() const override { return true; }
+
+ private:
+  void choose_steps(StepContext& c);
+  void sort(StepContext& c);
+  void search(StepContext& c);
+  void boundary_contacts(StepContext& c);
+  void correct_density(StepContext& c);
+  void correct_velocities(StepContext& c);
+  void move(StepContext& c);
+  void project(StepContext& c);
+  void check_budget(StepContext& c);
+  Real wanted_steps(FluidPool& p, const StepContext& c) const;
+  double tolerance(StepContext& c);
+  PressureSystem system_;
+  Real h_ = 0;  // s, of a solver substep
+};
+
+// Solver substeps that nothing passes through anything in, and that a column does not boil in.
+Real Dfsph::wanted_steps(FluidPool& p, const StepContext& c) const {
+  const Vec3 gravity = p.desc.gravity_scale * c.gravity;
+  const Real d = p.desc.spacing;
+  ColumnScales column = column_scales(p, gravity);
+  Real speed2 = column.speed2;
+  // components matter only where a particle moves by more than the CFL number in one step
+  if (c.h * std::sqrt(speed2) > kCflTravel * d) speed2 = flow_scales(p, *boundary, c).speed2;
+  Real speed = std::sqrt(speed2);
+  if (column.count > 0) {
+    column.box.grow(p.support);
+    speed = std::max(speed, body_speed_near(*boundary, column.box, c.h));
+  }
+  const Real load = length(gravity) * c.h * c.h * column.height / (d * d);
+  return std::ceil(std::max({c.h * speed / (kCflTravel * d), std::sqrt(load / kCarriedLoad), Real(1)}));
+}
+
+void Dfsph::choose_steps(StepContext& c) {
+  for (FluidPool* pool : pools) {
+    FluidPool& p = *pool;
+    if (p.count == 0 || p.frozen) continue;
+    const Real wanted = wanted_steps(p, c), most = static_cast<Real>(p.desc.max_substeps);
+    if (wanted > most && !p.warned_budget) {
+      p.warned_budget = true;
+      c.events->warn("fluid_budget",
+                     "dfsph needs " + std::to_string(whole_count(wanted)) +
+                         " steps of its own in a substep, for the speed of its particles or the weight of its column; "
+                         "max_substeps allows " +
+                         std::to_string(p.desc.max_substeps) +
+                         ": it may be compressed; take a larger max_substeps, more substeps or a larger spacing",
+                     p.object);
+    }
+    want_steps(p, static_cast<int>(std::min(wanted, most)), c);
+  }
+}
+
+void Dfsph::sort(StepContext& c) {
+  h_ = c.h / static_cast<Real>(c.inner.count);
+  FEDER_ASSERT(h_ > 0 && h_ <= c.h);
+  if (c.inner.index == 0) {
+    boundary->move_to(0);
+    for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;  // set by the group before
+  }
+  each(c, [](FluidPool& p) { p.sort_by_cell(); });
+}
+
+void Dfsph::search(StepContext& c) {
+  each(c, [&](FluidPool& p) { p.find_neighbors(*c.jobs, 0); });
+}
+
+void Dfsph::boundary_contacts(StepContext& c) {
+  each(c, [&](FluidPool& p) {
+    std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
+    p.find_contacts(*c.jobs, *boundary, h_, c.gravity, true);
+    p.share_bodies(*boundary);
+  });
+}
+
+// Of the strictest pool of the group; lists the pools in the system.
+double Dfsph::tolerance(StepContext& c) {
+  double least = 1;
+  system_.begin(boundary);
+  each(c, [&](FluidPool& p) {
+    system_.add(p);
+    least = std::min(least, static_cast<double>(p.desc.tolerance) / 100);
+  });
+  return least;
+}
+
+void Dfsph::correct_density(StepContext& c) {
+  const double wanted = tolerance(c);
+  if (system_.empty()) return;
+  system_.prepare(*c.jobs);
+  each(c, [&](FluidPool& p) {
+    const Real scale = p.last_h > 0 ? h_ * h_ / p.last_h : Real(0);
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      p.allowed[i] = p.ratio[i] > 1 ? 1 - p.ratio[i] : std::max(Real(0), 1 - p.air[i] - p.ratio[i]);
+      p.shifts[i] = scale * p.lambda[i];
+    }
+  });
+  each(c, [&](FluidPool& p) {
+    double excess = 0;
+    for (std::uint32_t i = 0; i < p.count; ++i) excess += std::max(0.0, static_cast<double>(p.ratio[i]) - 1);
+    p.too_dense = excess > kMissed * wanted * p.count ? p.too_dense + h_ : Real(0);
+  });
+  const PressureSystem::Result r = system_.solve_displacements(wanted, kMostIterations, *c.jobs);
+  if (r.iterations == 0) return;
+  each(c, [&](FluidPool& p) {
+    const Real longest = kMaxShift * p.desc.spacing;
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      const Vec3 by = p.extra[i].vec();
+      const Real far = length(by);
+      p.x[i].set(p.x[i].vec() + (far > longest ? Vec3(longest / far * by) : by));
+    }
+    p.iterations += static_cast<std::uint64_t>(r.iterations);
+  });
+  system_.prepare(*c.jobs);
+}
+
+void Dfsph::correct_velocities(StepContext& c) {
+  const double wanted = tolerance(c) * kVelocityTolerance / static_cast<double>(h_);
+  if (system_.empty()) return;
+  each(c, [&](FluidPool& p) {
+    const Vec3 kick = h_ * p.desc.gravity_scale * c.gravity;
+    const Real scale = p.last_h > 0 ? h_ / p.last_h : Real(0);
+    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t i = first; i < last; ++i) {
+        p.allowed[i] = std::max(Real(0), 1 - p.air[i] - p.ratio[i]) / h_;
+        p.lambda[i] *= scale;
+        p.v[i].set(p.v[i].vec() + kick);
+      }
+    });
+    if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h_, c);
+    if (p.desc.surface_tension > 0) add_tension(p, *boundary, h_, c);
+    p.last_h = h_;
+    ++p.steps;
+  });
+  const PressureSystem::Result r = system_.solve_velocities(wanted, kMostIterations, *c.jobs);
+  each(c, [&](FluidPool& p) {
+    p.unsolved = r.error > kMissed * wanted ? p.unsolved + h_ : Real(0);
+    p.iterations += static_cast<std::uint64_t>(r.iterations);
+    if (boundary->weighed) p.weigh_fixed(*boundary);
+  });
+}
+
+void Dfsph::move(StepContext& c) {
+  each(c, [&](FluidPool& p) {
+    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t i = first; i < last; ++i) p.x[i].set(p.x[i].vec() + h_ * p.v[i].vec());
+    });
+  });
+}
+
+// Non-penetration projection within a substep; after the last solver substep Fluid does it at the bodies' new poses.
+void Dfsph::project(StepContext& c) {
+  if (c.inner.last()) return;
+  boundary->move_to(h_ * static_cast<Real>(c.inner.index + 1));
+  each(c, [&](FluidPool& p) { p.project_out(*boundary); });
+  for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;
+}
+
+// Once, when the fluid has been too dense, or growing denser, for a while.
+void Dfsph::check_budget(StepContext& c) {
+  for (FluidPool* p : pools) {
+    if (p->warned_budget || std::max(p->too_dense, p->unsolved) < kBudgetPatience) continue;
+    p->warned_budget = true;
+    c.events->warn("fluid_budget",
+                   "dfsph is compressed by more than " + std::to_string(static_cast<Real>(kMissed) * p->desc.tolerance) +
+                       " %, ten times its tolerance: take more substeps or a larger spacing",
+                   p->object);
+  }
+}
+
+}  // namespace
+
+Variant<FluidSolver> fluid_dfsph() {
+  return {"dfsph", "divergence-free SPH: incompressible to a tolerance",
+          [](Arena& arena, const Params&) -> std::unique_ptr<FluidSolver> { return std::make_unique<Dfsph>(arena); }};
+}
+
+}  // namespace feder

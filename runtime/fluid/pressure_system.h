@@ -1,0 +1,68 @@
+// Pressure that keeps densities from growing, as a quadratic programme with bounds: with G the change of the densities
+// (over density at rest) by the motion of particles and bodies and M their masses, multipliers l >= 0 are sought with
+//   u = u* + M^-1 G^T l,  G u <= allowed,  l = 0 where G u < allowed,
+// which are the conditions of min l A l / 2 - b l, A = G M^-1 G^T. u: velocities (m/s; l in kg m^2/s, and l / (h V) is
+// the pressure over the squared density ratio) or displacements (m). Pair terms are those of a density, so A is
+// symmetric, momentum is kept, and what pressure takes from the flow is the least that it can.
+// Solved by modified proportioning with reduced gradient projection (Dostal & Schoeberl 2005): conjugate gradients
+// among particles under pressure, scaled by the diagonal; steps of the projected gradient where some come free. A column
+// of n layers takes some n iterations, not n^2. Sums run over blocks in order: same bits for any number of threads.
+#pragma once
+#include "base/jobs.h"
+#include "fluid/pool.h"
+
+namespace feder {
+
+class PressureSystem {
+ public:
+  explicit PressureSystem(Arena& arena) : sums_(&arena), moved_(&arena), before_(&arena) {}
+
+  struct Result {
+    int iterations = 0;
+    double error = 0;  // mean of what densities grow more than allowed, or less where there is pressure; unit of G u
+  };
+  // The pools of the coming solves: neighbours and boundary contacts must be fresh.
+  void begin(Boundary* boundary) { pools_.clear(), boundary_ = boundary; }
+  void add(FluidPool& p) { pools_.push_back(&p); }
+  bool empty() const { return pools_.empty(); }
+  // Density ratios, the diagonal, and the share of each kernel that lies in the air, where the particles are.
+  void prepare(JobPool& jobs);
+  // Velocities `v`, from the multipliers in `lambda` on; allowed growth in `allowed`, 1/s. Pushes bodies.
+  Result solve_velocities(double tolerance, int most, JobPool& jobs);
+  // Displacements, in `extra`, of particles alone; `allowed` is negative where the fluid is too dense. `shifts`: what
+  // the multipliers may fall by, as particles under pressure may come nearer, kg m^2. Softened: each further multiplier
+  // leaves some of the error.
+  Result solve_displacements(double tolerance, int most, JobPool& jobs);
+
+ private:
+  struct Sums {
+    double proportion = 0, reduced = 0, descent = 0, curvature = 0, conjugate = 0, error = 0, room = 1e300;
+    void add(const Sums& s);
+  };
+  template <class F>
+  Sums sum(JobPool& jobs, F&& f);  // f(pool, i, sums)
+  template <class F>
+  void each(JobPool& jobs, F&& f);  // f(pool, i)
+  Array<Row4>& state(FluidPool& p) const { return bodies_ ? p.v : p.extra; }
+  Array<Real>& multipliers(FluidPool& p) const { return bodies_ ? p.lambda : p.shifts; }
+  Real wall_growth(const FluidPool& p, const BoundaryContact& k, const Vec3& u, bool of_moved) const;
+  void press(JobPool& jobs);                // direction in `next_weight` -> M^-1 G^T of it, in `move` and moved_
+  void grow(JobPool& jobs, bool of_moved);  // G of that, softened, or of the state, to `sum`
+  void step(Real size, JobPool& jobs);
+  void clear_weights(JobPool& jobs);
+  void find_residuals(JobPool& jobs);
+  Result solve(double tolerance, int most, JobPool& jobs);
+
+  std::vector<FluidPool*> pools_;
+  Boundary* boundary_ = nullptr;
+  bool bodies_ = false;  // velocities, not displacements
+  Real softness_ = 0;    // in units of the diagonal
+  Array<Sums> sums_;
+  struct Motion {
+    Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
+  };
+  Array<Motion> moved_;   // by body: of the direction
+  Array<Motion> before_;  // by body: of the start, with the impulses of the fluid's friction
+};
+
+}  // namespace feder
