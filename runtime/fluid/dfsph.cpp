@@ -26,13 +26,13 @@
 namespace feder {
 namespace {
 
-constexpr Real kCflTravel = Real(0.4);          // spacings that particles or bodies move in a solver substep
-constexpr int kMostIterations = 100;            // of a solve
-constexpr double kVelocityTolerance = 0.05;      // growth of the density in a substep, over the tolerance of the density
-constexpr Real kCarriedLoad = 1;                // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
-constexpr Real kMaxShift = Real(0.5);           // spacings, of a displacement
-constexpr double kMissed = 10;    // times the tolerance: errors that are worth a warning
-constexpr Real kBudgetPatience = Real(0.25);    // s, for which a solve fails before a warning: splashes pass
+constexpr Real kCflTravel = Real(0.4);       // spacings that particles or bodies move in a solver substep
+constexpr int kMostIterations = 100;         // of a solve
+constexpr double kVelocityTolerance = 0.05;  // growth of the density in a substep, over the tolerance of the density
+constexpr Real kCarriedLoad = 1;       // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
+constexpr Real kMaxShift = Real(0.5);  // spacings, of a displacement
+constexpr double kMissed = 10;         // times the tolerance: errors that are worth a warning
+constexpr Real kBudgetPatience = Real(0.25);  // s, for which a solve fails before a warning: splashes pass
 
 class Dfsph final : public FluidSolver {
  public:
@@ -219,7 +219,8 @@ void Dfsph::check_budget(StepContext& c) {
     if (p->warned_budget || std::max(p->too_dense, p->unsolved) < kBudgetPatience) continue;
     p->warned_budget = true;
     c.events->warn("fluid_budget",
-                   "dfsph is compressed by more than " + std::to_string(static_cast<Real>(kMissed) * p->desc.tolerance) +
+                   "dfsph is compressed by more than " +
+                       std::to_string(static_cast<Real>(kMissed) * p->desc.tolerance) +
                        " %, ten times its tolerance: take more substeps or a larger spacing",
                    p->object);
   }

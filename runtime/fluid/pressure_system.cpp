@@ -47,34 +47,34 @@ PressureSystem::Sums PressureSystem::sum(JobPool& jobs, F&& f) {
 
 void PressureSystem::prepare(JobPool& jobs) {
   for (FluidPool* pool : pools_) {
-  FluidPool& p = *pool;
-  const SweepInput in = p.sweep_input();
-  const Real inv_mass = 1 / p.mass, rs = p.support * p.support * p.slope_factor * p.slope_factor;
-  jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
-    for (std::uint32_t i = first; i < last; ++i) {
-      Real walled = 0, shared = 0, opposed = 0;
-      const Vec3 pair = p.slope_factor * p.move[i].vec();
-      Vec3 wall = Vec3::Zero(), open = pair;
-      for (const BoundaryContact& k : p.contacts_of(i)) {
-        const Vec3 x = p.x[i].vec();
-        const BoundaryTerms s = p.table->at(k.distance(x) / p.support);
-        walled += s.value;
-        const Real slope = s.slope / p.support;
-        wall -= slope * k.normal;
-        open -= s.colour / p.support * k.normal;
-        opposed += slope * slope;
-        const BoundaryBody& b = boundary_->body_of(k);
-        if (b.dynamic) shared += slope * std::max(b.contact_weight, slope) * b.response(x, k.normal);
+    FluidPool& p = *pool;
+    const SweepInput in = p.sweep_input();
+    const Real inv_mass = 1 / p.mass, rs = p.support * p.support * p.slope_factor * p.slope_factor;
+    jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
+      for (std::uint32_t i = first; i < last; ++i) {
+        Real walled = 0, shared = 0, opposed = 0;
+        const Vec3 pair = p.slope_factor * p.move[i].vec();
+        Vec3 wall = Vec3::Zero(), open = pair;
+        for (const BoundaryContact& k : p.contacts_of(i)) {
+          const Vec3 x = p.x[i].vec();
+          const BoundaryTerms s = p.table->at(k.distance(x) / p.support);
+          walled += s.value;
+          const Real slope = s.slope / p.support;
+          wall -= slope * k.normal;
+          open -= s.colour / p.support * k.normal;
+          opposed += slope * slope;
+          const BoundaryBody& b = boundary_->body_of(k);
+          if (b.dynamic) shared += slope * std::max(b.contact_weight, slope) * b.response(x, k.normal);
+        }
+        // between two solids gradients cancel, but pressure acts on both
+        opposed = std::max(Real(0), opposed - wall.squaredNorm());
+        p.diagonal[i] =
+            inv_mass * std::max(p.least_squares, (pair + wall).squaredNorm() + opposed + rs * p.squares[i]) + shared;
+        p.ratio[i] = p.value_factor * p.move[i].w + p.own_value + p.screen[i] + walled;
+        p.air[i] = p.table->air(length(open) * p.support);
       }
-      // between two solids gradients cancel, but pressure acts on both
-      opposed = std::max(Real(0), opposed - wall.squaredNorm());
-      p.diagonal[i] =
-          inv_mass * std::max(p.least_squares, (pair + wall).squaredNorm() + opposed + rs * p.squares[i]) + shared;
-      p.ratio[i] = p.value_factor * p.move[i].w + p.own_value + p.screen[i] + walled;
-      p.air[i] = p.table->air(length(open) * p.support);
-    }
-  });
+    });
   }
 }
 
@@ -195,8 +195,7 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
     if (now.proportion > now.reduced) {
       // particles come under pressure
       each(jobs, [&](FluidPool& p, std::uint32_t i) {
-        p.next_weight[i] =
-            multipliers(p)[i] > 0 ? Real(0) : std::max(p.residual[i], Real(0)) / p.diagonal[i];
+        p.next_weight[i] = multipliers(p)[i] > 0 ? Real(0) : std::max(p.residual[i], Real(0)) / p.diagonal[i];
       });
       fresh = false;
       press(jobs), grow(jobs, true);
@@ -235,13 +234,13 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
         const bool free = l > 0;
         if (free) l = std::max(Real(0), l + size * p.next_weight[i]);
         p.residual[i] += size * p.sum[i];
-        if (free) g.conjugate -= static_cast<double>(p.residual[i]) / static_cast<double>(p.diagonal[i]) *
-                                 static_cast<double>(p.sum[i]);
+        if (free)
+          g.conjugate -=
+              static_cast<double>(p.residual[i]) / static_cast<double>(p.diagonal[i]) * static_cast<double>(p.sum[i]);
       });
       const Real carry = static_cast<Real>(t.conjugate / s.curvature);
       each(jobs, [&](FluidPool& p, std::uint32_t i) {
-        p.next_weight[i] =
-            multipliers(p)[i] > 0 ? p.residual[i] / p.diagonal[i] - carry * p.next_weight[i] : Real(0);
+        p.next_weight[i] = multipliers(p)[i] > 0 ? p.residual[i] / p.diagonal[i] - carry * p.next_weight[i] : Real(0);
       });
       continue;
     }

@@ -5,8 +5,9 @@
 // the pressure over the squared density ratio) or displacements (m). Pair terms are those of a density, so A is
 // symmetric, momentum is kept, and what pressure takes from the flow is the least that it can.
 // Solved by modified proportioning with reduced gradient projection (Dostal & Schoeberl 2005): conjugate gradients
-// among particles under pressure, scaled by the diagonal; steps of the projected gradient where some come free. A column
-// of n layers takes some n iterations, not n^2. Sums run over blocks in order: same bits for any number of threads.
+// among particles under pressure, scaled by the diagonal; steps of the projected gradient where some come free. A
+// column of n layers takes some n iterations, not n^2. Sums run over blocks in order: same bits for any number of
+// threads.
 #pragma once
 #include "base/jobs.h"
 #include "fluid/pool.h"
