@@ -270,13 +270,17 @@ ColumnScales column_scales(const FluidPool& p, const Vec3& gravity) {
   return column;
 }
 
-Real body_speed_near(const Boundary& boundary, const Aabb& box, Real h) {
-  Real speed = 0;
+Real speed_near(FluidPool& p, const ColumnScales& column, const Boundary& boundary, Real travel, const StepContext& c) {
+  const Real own = std::sqrt(column.speed2);
+  Real speed = c.h * own > travel ? std::sqrt(flow_scales(p, boundary, c).speed2) : own;
+  if (column.count == 0) return speed;
+  Aabb box = column.box;
+  box.grow(p.support);
   for (const BoundaryShape& w : boundary.shapes) {
-    const BoundaryBody& b = boundary.bodies[w.body];
+    const Real fast = length(boundary.bodies[w.body].velocity);
     Aabb swept = w.box;
-    swept.grow(h * length(b.velocity));
-    if (overlaps(swept, box)) speed = std::max(speed, length(b.velocity));
+    swept.grow(c.h * fast);
+    if (overlaps(swept, box)) speed = std::max(speed, fast);
   }
   return speed;
 }

@@ -24,7 +24,8 @@ struct ColumnScales {
 };
 ColumnScales column_scales(const FluidPool& p, const Vec3& gravity);
 
-// Largest speed of bodies whose boxes meet `box` within h seconds, m/s.
-Real body_speed_near(const Boundary& boundary, const Aabb& box, Real h);
+// Largest speed that counts for the CFL number, m/s: of the column's particles (in the frames of their components,
+// where they move by more than `travel` m in a step), and of bodies whose boxes meet it.
+Real speed_near(FluidPool& p, const ColumnScales& column, const Boundary& boundary, Real travel, const StepContext& c);
 
 }  // namespace feder

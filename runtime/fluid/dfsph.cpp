@@ -7,7 +7,7 @@
 //    apart: what only pushed apart would lift the fluid a little in each substep, and let it fall as noise;
 //  - at the free surface, particles lack neighbours and would sink together until they are as dense as the rest; the
 //    share of the kernel that lies in the air follows from the gradient of the density (BoundaryTable::air) and is
-//    counted as fluid, in the first solve. (In the second it would keep lifting the surface: noise of 0.1 m/s in
+//    counted as fluid, in the first solve. (In the second it would keep lifting the surface: noise of some 6 cm/s in
 //    still water.);
 //  - conjugate gradients with bounds (pressure_system.h) in place of Jacobi steps.
 // Bodies are part of the system: their masses are in it, and they move with every iteration.
@@ -64,10 +64,10 @@ class Dfsph final : public FluidSolver {
   void correct_density(StepContext& c);
   void correct_velocities(StepContext& c);
   void move(StepContext& c);
-  void project(StepContext& c);
+  void project(StepContext& c) { project_within(h_, c); }
   void check_budget(StepContext& c);
   Real wanted_steps(FluidPool& p, const StepContext& c) const;
-  double tolerance(StepContext& c);
+  double list_pools(StepContext& c);
   PressureSystem system_;
   Real h_ = 0;  // s, of a solver substep
 };
@@ -76,15 +76,8 @@ class Dfsph final : public FluidSolver {
 Real Dfsph::wanted_steps(FluidPool& p, const StepContext& c) const {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real d = p.desc.spacing;
-  ColumnScales column = column_scales(p, gravity);
-  Real speed2 = column.speed2;
-  // components matter only where a particle moves by more than the CFL number in one step
-  if (c.h * std::sqrt(speed2) > kCflTravel * d) speed2 = flow_scales(p, *boundary, c).speed2;
-  Real speed = std::sqrt(speed2);
-  if (column.count > 0) {
-    column.box.grow(p.support);
-    speed = std::max(speed, body_speed_near(*boundary, column.box, c.h));
-  }
+  const ColumnScales column = column_scales(p, gravity);
+  const Real speed = speed_near(p, column, *boundary, kCflTravel * d, c);
   const Real load = length(gravity) * c.h * c.h * column.height / (d * d);
   return std::ceil(std::max({c.h * speed / (kCflTravel * d), std::sqrt(load / kCarriedLoad), Real(1)}));
 }
@@ -130,8 +123,8 @@ void Dfsph::boundary_contacts(StepContext& c) {
   });
 }
 
-// Of the strictest pool of the group; lists the pools in the system.
-double Dfsph::tolerance(StepContext& c) {
+// Lists the pools of the group in the system; the tolerance of the strictest.
+double Dfsph::list_pools(StepContext& c) {
   double least = 1;
   system_.begin(boundary);
   each(c, [&](FluidPool& p) {
@@ -142,7 +135,7 @@ double Dfsph::tolerance(StepContext& c) {
 }
 
 void Dfsph::correct_density(StepContext& c) {
-  const double wanted = tolerance(c);
+  const double wanted = list_pools(c);
   if (system_.empty()) return;
   system_.prepare(*c.jobs);
   each(c, [&](FluidPool& p) {
@@ -166,13 +159,12 @@ void Dfsph::correct_density(StepContext& c) {
       const Real far = length(by);
       p.x[i].set(p.x[i].vec() + (far > longest ? Vec3(longest / far * by) : by));
     }
-    p.iterations += static_cast<std::uint64_t>(r.iterations);
   });
   system_.prepare(*c.jobs);
 }
 
 void Dfsph::correct_velocities(StepContext& c) {
-  const double wanted = tolerance(c) * kVelocityTolerance / static_cast<double>(h_);
+  const double wanted = list_pools(c) * kVelocityTolerance / static_cast<double>(h_);
   if (system_.empty()) return;
   each(c, [&](FluidPool& p) {
     const Vec3 kick = h_ * p.desc.gravity_scale * c.gravity;
@@ -192,7 +184,6 @@ void Dfsph::correct_velocities(StepContext& c) {
   const PressureSystem::Result r = system_.solve_velocities(wanted, kMostIterations, *c.jobs);
   each(c, [&](FluidPool& p) {
     p.unsolved = r.error > kMissed * wanted ? p.unsolved + h_ : Real(0);
-    p.iterations += static_cast<std::uint64_t>(r.iterations);
     if (boundary->weighed) p.weigh_fixed(*boundary);
   });
 }
@@ -203,14 +194,6 @@ void Dfsph::move(StepContext& c) {
       for (std::uint32_t i = first; i < last; ++i) p.x[i].set(p.x[i].vec() + h_ * p.v[i].vec());
     });
   });
-}
-
-// Non-penetration projection within a substep; after the last solver substep Fluid does it at the bodies' new poses.
-void Dfsph::project(StepContext& c) {
-  if (c.inner.last()) return;
-  boundary->move_to(h_ * static_cast<Real>(c.inner.index + 1));
-  each(c, [&](FluidPool& p) { p.project_out(*boundary); });
-  for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;
 }
 
 // Once, when the fluid has been too dense, or growing denser, for a while.

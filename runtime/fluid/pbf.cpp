@@ -102,6 +102,7 @@ class Pbf final : public FluidSolver {
     return -r2 * p.lambda[i] / (p.last_h * p.last_h * p.volume) - p.inward;
   }
   bool iterates() const override { return true; }
+  bool takes_stiffness() const override { return true; }
 
  private:
   void choose_steps(StepContext& c);
@@ -115,7 +116,7 @@ class Pbf final : public FluidSolver {
   void boundary_contacts(StepContext& c);
   void solve(StepContext& c);
   void apply_viscosity(StepContext& c);
-  void project(StepContext& c);
+  void project(StepContext& c) { project_within(h_, c); }
   void check_compression(StepContext& c);
   double correct(FluidPool& p, bool first_round, const SemiIteration& scheme, StepContext& c);
   void displace(FluidPool& p, StepContext& c);
@@ -126,18 +127,10 @@ class Pbf final : public FluidSolver {
 Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real g = length(gravity), d = p.desc.spacing;
-  ColumnScales column = column_scales(p, gravity);
-  Real speed2 = column.speed2;
+  const ColumnScales column = column_scales(p, gravity);
   Wanted wanted;
-  // components matter only where a particle moves by more than the CFL number in one step
-  if (c.h * std::sqrt(speed2) > kMaxTravel * d) speed2 = flow_scales(p, *boundary, c).speed2;
-  Real speed = std::sqrt(speed2);
-  wanted.travel = c.h * speed / (kMaxTravel * d);
-  if (column.count == 0) return wanted;
-  column.box.grow(p.support);
-  speed = std::max(speed, body_speed_near(*boundary, column.box, c.h));
-  wanted.travel = c.h * speed / (kMaxTravel * d);
-  if (!(g > 0)) return wanted;
+  wanted.travel = c.h * speed_near(p, column, *boundary, kMaxTravel * d, c) / (kMaxTravel * d);
+  if (column.count == 0 || !(g > 0)) return wanted;
   const Real load = g * c.h * c.h * column.height / (d * d), iterations = static_cast<Real>(p.desc.iterations);
   const Real strain = 5 * kLattice * p.least_squares * d * d * load / (iterations * iterations);
   wanted.load = std::sqrt(std::max(load / std::min(kMaxLoad * iterations, Real(1)), strain / kMaxStrain));
@@ -153,14 +146,6 @@ void Pbf::choose_steps(StepContext& c) {
     if (own.load > most) warn_budget(*p, own.load, c);
     want_steps(*p, static_cast<int>(std::ceil(std::min(std::max({own.travel, own.load, Real(1)}), most))), c);
   }
-}
-
-// Non-penetration projection within a substep; after the last solver substep Fluid does it at the bodies' new poses.
-void Pbf::project(StepContext& c) {
-  if (c.inner.last()) return;
-  boundary->move_to(h_ * static_cast<Real>(c.inner.index + 1));
-  each(c, [&](FluidPool& p) { p.project_out(*boundary); });
-  for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;
 }
 
 // Once, before the fluid bursts.

@@ -50,17 +50,16 @@ struct FluidPool {
   Array<Real> lambda{&arena};
   Array<std::uint32_t> id{&arena};  // in the order of making
   std::uint32_t next_id = 0;
-  Real last_h = 0;               // s, of the substep that left lambda
-  Real sound = 0;                // wcsph: speed of sound of the last substep, m/s
-  Real sound_before = 0;         // wcsph: of the one before; 0: none. Work
-  Real settling = 0;             // wcsph: time in which pressure settles after a rise of it, s. Work
-  Real too_dense = 0;            // pbf, dfsph: s, for which it has been denser than wanted
-  Real unsolved = 0;             // dfsph: s, for which velocities have missed their tolerance
-  std::uint64_t steps = 0;       // solver substeps since it was made, for reports
-  std::uint64_t iterations = 0;  // dfsph: likewise
-  bool frozen = false;           // quarantined
-  std::uint32_t group = 0;       // in the loop of fluid substeps of this substep; work
-  bool fresh = false;            // filled since the last step
+  Real last_h = 0;          // s, of the substep that left lambda
+  Real sound = 0;           // wcsph: speed of sound of the last substep, m/s
+  Real sound_before = 0;    // wcsph: of the one before; 0: none. Work
+  Real settling = 0;        // wcsph: time in which pressure settles after a rise of it, s. Work
+  Real too_dense = 0;       // pbf, dfsph: s, for which it has been denser than wanted
+  Real unsolved = 0;        // dfsph: s, for which velocities have missed their tolerance
+  std::uint64_t steps = 0;  // solver substeps since it was made, for reports
+  bool frozen = false;      // quarantined
+  std::uint32_t group = 0;  // in the loop of fluid substeps of this substep; work
+  bool fresh = false;       // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
 
   // For the watchdog; `kinetic` includes particles added since.
@@ -73,17 +72,17 @@ struct FluidPool {
   std::uint64_t screened = 0;  // number of the substep for which both were set
 
   // Work.
-  Array<Row4> start{&arena};                 // x where contacts are found: at the start of the solver substep, or now
-  Array<Row4> listed_at{&arena};             // wcsph: x where the lists were made; empty until it asks for it
-  Array<Row4> move{&arena};                  // sums of the sweeps, and the displacement or acceleration from them
-  Array<Row4> extra{&arena};                 // further rows: changes of velocity by viscosity; last moves of relax.cpp
+  Array<Row4> start{&arena};      // x where contacts are found: at the start of the solver substep, or now
+  Array<Row4> listed_at{&arena};  // wcsph: x where the lists were made; empty until it asks for it
+  Array<Row4> move{&arena};       // sums of the sweeps, and the displacement or acceleration from them
+  Array<Row4> extra{&arena};  // further rows: changes of velocity by viscosity; displacements of dfsph and relax.cpp
   Array<Real> sum{&arena}, squares{&arena};  // density sums, sums of squared gradients
-  Array<Real> diagonal{&arena};              // K of pbf
+  Array<Real> diagonal{&arena};              // of the system of pbf and dfsph
   Array<Real> ratio{&arena};                 // density over density at rest
   // dfsph, these four empty until it asks for them: growth of densities, less what is allowed; what is allowed; share
   // of the kernel that lies in the air; multipliers of displacements.
   Array<Real> residual{&arena}, allowed{&arena}, air{&arena}, shifts{&arena};
-  Array<Real> next_weight{&arena};       // pbf, relax: becomes the weight in x before the next sweep
+  Array<Real> next_weight{&arena};       // becomes the weight in x before the next sweep
   Array<std::uint8_t> isolated{&arena};  // 1: meets no other particle in this substep, see components.h
   Array<std::uint32_t> order{&arena};
   Array<Row4> swap4{&arena};  // these three: work of sort_by_cell

@@ -187,34 +187,16 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
     });
   };
   find_residuals(jobs);
-  bool fresh = false;  // the direction is the gradient
+  restart();
   for (;;) {
     const Sums now = sum(jobs, look);
     result.error = now.error / count;
     if (result.error <= tolerance || result.iterations >= most) break;
-    if (now.proportion > now.reduced) {
-      // particles come under pressure
+    const bool joining = now.proportion > now.reduced;  // particles come under pressure
+    if (joining)
       each(jobs, [&](FluidPool& p, std::uint32_t i) {
         p.next_weight[i] = multipliers(p)[i] > 0 ? Real(0) : std::max(p.residual[i], Real(0)) / p.diagonal[i];
       });
-      fresh = false;
-      press(jobs), grow(jobs, true);
-      const Sums s = sum(jobs, [](FluidPool& p, std::uint32_t i, Sums& t) {
-        t.descent += static_cast<double>(p.next_weight[i]) * static_cast<double>(p.residual[i]);
-        t.curvature -= static_cast<double>(p.next_weight[i]) * static_cast<double>(p.sum[i]);
-      });
-      ++result.iterations;
-      if (!(s.curvature > 0)) break;
-      const Real size = static_cast<Real>(s.descent / s.curvature);
-      step(size, jobs);
-      each(jobs, [&](FluidPool& p, std::uint32_t i) {
-        multipliers(p)[i] += size * p.next_weight[i];
-        p.residual[i] += size * p.sum[i];
-      });
-      restart(), fresh = true;
-      continue;
-    }
-    if (!fresh) restart(), fresh = true;
     press(jobs), grow(jobs, true);
     ++result.iterations;
     const Sums s = sum(jobs, [&](FluidPool& p, std::uint32_t i, Sums& t) {
@@ -227,6 +209,14 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
     const double full = s.descent / s.curvature;
     const Real size = static_cast<Real>(std::min(full, s.room));
     step(size, jobs);
+    if (joining) {
+      each(jobs, [&](FluidPool& p, std::uint32_t i) {
+        multipliers(p)[i] += size * p.next_weight[i];
+        p.residual[i] += size * p.sum[i];
+      });
+      restart();
+      continue;
+    }
     if (full <= s.room) {
       // conjugate gradients
       const Sums t = sum(jobs, [&](FluidPool& p, std::uint32_t i, Sums& g) {
@@ -261,7 +251,7 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
     ++result.iterations;
     step(1, jobs);
     each(jobs, [&](FluidPool& p, std::uint32_t i) { p.residual[i] += p.sum[i]; });
-    restart(), fresh = true;
+    restart();
   }
   return result;
 }
@@ -295,9 +285,7 @@ PressureSystem::Result PressureSystem::solve_velocities(double tolerance, int mo
 
 PressureSystem::Result PressureSystem::solve_displacements(double tolerance, int most, JobPool& jobs) {
   bodies_ = false, softness_ = kSoftness;
-  for (FluidPool* p : pools_) {
-    std::fill(p->extra.begin(), p->extra.begin() + p->count + 1, Row4{});
-  }
+  for (FluidPool* p : pools_) std::fill(p->extra.begin(), p->extra.begin() + p->count + 1, Row4{});
   const Result r = solve(tolerance, most, jobs);
   clear_weights(jobs);
   return r;

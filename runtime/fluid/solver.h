@@ -22,9 +22,10 @@ class FluidSolver {
   virtual void add_passes(StepPlan& plan) = 0;
   // Pa, from `ratio` and what the pool keeps; without what balances the cohesion.
   virtual Real pressure(const FluidPool& p, std::uint32_t i) const = 0;
-  // True: a substep solves for the pressure in `iterations`, with `stiffness`. Others derive both from `compression`,
-  // and take up to `max_substeps` solver substeps.
+  // True: a substep solves for the pressure, and bodies move with it; pools that press on one body form a group.
   virtual bool iterates() const { return false; }
+  // True: as stiff as `stiffness` says. Others are as stiff as `compression` or `tolerance` asks for.
+  virtual bool takes_stiffness() const { return false; }
 
   std::vector<FluidPool*> pools;
   Boundary* boundary = nullptr;
@@ -34,6 +35,14 @@ class FluidSolver {
   static void want_steps(const FluidPool& p, int count, StepContext& c) {
     int& of_group = c.counts(Loop::fluid).count[p.group];
     of_group = std::max(of_group, count);
+  }
+  // Non-penetration projection between the solver substeps, h seconds each; after the last one Fluid does it at the
+  // bodies' new poses.
+  void project_within(Real h, StepContext& c) {
+    if (c.inner.last()) return;
+    boundary->move_to(h * static_cast<Real>(c.inner.index + 1));
+    each(c, [&](FluidPool& p) { p.project_out(*boundary); });
+    for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;
   }
   // In the loop: the pools of the running group that are this solver's.
   template <class F>

@@ -26,7 +26,7 @@ struct Sweeps {
   void (*push_damped)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // the same, with damping
   // (w_i + w_j) g y, with y = y_i - y_j for other positions y, given instead of the velocities
   void (*push_from)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
-  // g x . (v_i - v_j): minus what the density of i grows by
+  // g x . (v_i - v_j), positive where they approach
   void (*growth)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
   void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);   // cohesion(u) x / u
   void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // see Kernel::radial_viscosity

@@ -25,9 +25,9 @@ struct FluidCell {
   double highest = INFINITY;             // m, no particle may be higher
 };
 
-bool iterates(const std::string& solver) {
+bool takes_stiffness(const std::string& solver) {
   Arena unused("stability");
-  return find_variant(fluid_solvers(), solver, "fluid solver").make(unused, Params())->iterates();
+  return find_variant(fluid_solvers(), solver, "fluid solver").make(unused, Params())->takes_stiffness();
 }
 
 FluidDesc fluid_of(const std::string& solver) {
@@ -56,8 +56,8 @@ void fill(FluidCell& c, double under) {
 }
 
 // x = bulk modulus, y = steps a second. Under its own weight rho g (Y - y) = K ln(1 + p/K) of p = K (rho'/rho - 1): the
-// middle is at 1/a - Y/(a H), Y = ln(1 + a H)/a, a = rho g/K. A solver that has its stiffness from a wanted compression
-// is asked for the one at the ground, and may be stiffer.
+// middle is at 1/a - Y/(a H), Y = ln(1 + a H)/a, a = rho g/K. A solver that has its stiffness from a wanted
+// compression, or none, is asked for the one at the ground, and may be stiffer.
 FluidCell column(const std::string& solver, double x, double y) {
   const double a = kDensity * kGravity / x, squeezed = std::clamp(a * kLevel, 1e-4, 0.2);
   FluidDesc f = fluid_of(solver);
@@ -65,7 +65,7 @@ FluidCell column(const std::string& solver, double x, double y) {
   FluidCell c = tank(f, y, kSubsteps);
   fill(c, kLevel);
   c.low = c.high = a * kLevel > 1e-3 ? 1 / a - std::log1p(a * kLevel) / (a * a * kLevel) : kLevel / 2;
-  if (!iterates(solver)) c.low = (1 - squeezed) * kLevel / 2, c.high = kLevel / 2;
+  if (!takes_stiffness(solver)) c.low = (1 - squeezed) * kLevel / 2, c.high = kLevel / 2;
   return c;
 }
 

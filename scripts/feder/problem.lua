@@ -93,7 +93,7 @@ function problem.fluid(particles, t_end)
     spacing = 1 / feder.param("particles", particles,
       { min = 5, max = 400, step = 1, help = "across the length that the problem is about" }),
     stiffness = feder.param("stiffness", 0, { min = 0, max = 1e12, help = "bulk modulus for pbf, Pa; 0: as stiff as it can" }),
-    compression = feder.param("compression", 0.01, { min = 1e-4, max = 0.2, help = "that wcsph aims at" }),
+    compression = feder.param("compression", 0.01, { min = 1e-4, max = 0.2, help = "that wcsph aims at; dfsph at a tenth of it on average" }),
     iterations = feder.param("iterations", 4, { min = 1, max = 1000, step = 1, help = "of pbf in a substep" }),
     rate = feder.param("rate", 60, { min = 10, max = 10000, step = 1, help = "steps a second" }),
     seconds = feder.param("t_end", t_end, { min = 1e-3, max = 60, help = "s" }),
@@ -106,6 +106,7 @@ end
 function problem.water(world, p, options)
   options.solver, options.spacing, options.stiffness = p.solver, p.spacing, p.stiffness
   options.compression, options.iterations = p.compression, p.iterations
+  options.tolerance = 10 * p.compression  -- per cent
   return world:fluid(options)
 end
 

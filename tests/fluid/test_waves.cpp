@@ -17,13 +17,13 @@ struct Slosh {
   double error = 0;                        // of the density, mean
 };
 
-// From a lattice whose columns are stretched to the wave, two spacings high.
-Slosh slosh(const std::string& solver, const std::string& kernel, Real support, int extremes) {
+// Of dfsph, from a lattice whose columns are stretched to the wave, two spacings high.
+Slosh slosh(int extremes) {
   const double d = 0.025, pi = 3.14159265358979;
   World w(fluid_world(2), fluid_catalog());
   add_tank(w, vec3(1, 0, 1));
   FluidDesc f;
-  f.solver = solver, f.kernel = kernel, f.support = support, f.spacing = static_cast<Real>(d);
+  f.solver = "dfsph", f.kernel = "wendland", f.support = 4, f.spacing = static_cast<Real>(d);
   Fluid& fluid = w.need<Fluid>();
   const ObjectId id = fluid.add_fluid(f);
   std::vector<Vec3> points;
@@ -65,8 +65,7 @@ Slosh slosh(const std::string& solver, const std::string& kernel, Real support, 
 
 TEST_CASE("dfsph swings with the period of a slosh, and keeps two thirds of it for two periods", "[fluid][waves]") {
   if (!kFull) return;
-  const int extremes = 5;  // two periods
-  const Slosh s = slosh("dfsph", "wendland", 4, extremes);
+  const Slosh s = slosh(5);  // extremes: two periods
   CAPTURE(s.period, s.first, s.last, s.error);
   CHECK(s.period == Approx(kPeriod).epsilon(0.01));
   CHECK(s.last / s.first > 0.66);  // measured: 0.71
