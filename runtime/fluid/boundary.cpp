@@ -192,6 +192,9 @@ void FluidPool::share_bodies(Boundary& boundary) {
 }
 
 void FluidPool::project_out(Boundary& boundary) {
+  // solids may be turned out of the plane by a rounding error, which particles would make more of
+  if (dimension == 2)
+    for (std::uint32_t i = 0; i < count; ++i) x[i].z = v[i].z = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     if (contact_first[i] == contact_first[i + 1]) continue;
     bool moved = true;

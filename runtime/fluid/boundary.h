@@ -26,12 +26,15 @@ struct BoundaryBody {
 
   Vec3 velocity_at(const Vec3& x) const { return velocity + cross(angular_velocity, x - center); }
   void push(const Vec3& at, const Vec3& p) {
-    FEDER_ASSERT(dynamic);  // the others only count impulses, where Boundary::weighed
-    const Vec3 t = cross(at - center, p);
-    velocity += inv_mass.cwiseProduct(p);
-    angular_velocity += inv_inertia * t;
-    impulse += p;
-    pressed += length(p);
+    push_by(p, cross(at - center, p));  // bodies that do not move only count impulses, where Boundary::weighed
+  }
+  // An impulse given as its parts.
+  void push_by(const Vec3& linear, const Vec3& about_center) {
+    FEDER_ASSERT(dynamic);
+    velocity += inv_mass.cwiseProduct(linear);
+    angular_velocity += inv_inertia * about_center;
+    impulse += linear;
+    pressed += length(linear);
   }
   // Change of velocity along n at x per impulse along n there, 1/kg.
   Real response(const Vec3& x, const Vec3& n) const {

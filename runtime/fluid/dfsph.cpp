@@ -1,19 +1,22 @@
 // Divergence-free SPH: two solves in a solver substep, in the spirit of Bender & Koschier ("Divergence-Free SPH for
 // Incompressible and Viscous Fluids", TVCG 2017), each to the tolerance of the fluid. Differences:
-//  - velocities are kept from making the fluid denser than it is, or than at rest where it is less dense: the one
-//    solve that pressure comes from. Its multipliers go on from those of the last substep (new particles begin at 0);
-//  - what density is left over is taken out by displacements that no velocity feels, nor any body: a correction of
-//    positions neither throws fluid up nor drains waves. Particles under pressure may come nearer by it as well as
-//    apart: what only pushed apart would lift the fluid a little in each substep, and let it fall as noise;
+//  - velocities are kept from making the fluid denser than at rest: the one solve that pressure comes from. Its
+//    multipliers go on from those of the last substep (new particles begin at 0). What a substep adds to the density in
+//    second order, the next one takes back: positions then keep to rest density as those of a constrained mechanical
+//    system do (SHAKE: Ryckaert, Ciccotti & Berendsen 1977), and waves keep their energy. Solved after each substep
+//    anew, with a correction of positions beside it, a slosh loses two to three times as much;
+//  - what is too dense by more than 1 % (new particles, blows) is taken out by displacements that no velocity feels,
+//  nor
+//    any body;
 //  - at the free surface, particles lack neighbours and would sink together until they are as dense as the rest; the
 //    share of the kernel that lies in the air follows from the gradient of the density (BoundaryTable::air) and is
-//    counted as fluid, in the first solve. (In the second it would keep lifting the surface: noise of some 6 cm/s in
-//    still water.);
+//    counted as fluid;
+//  - boundaries are images of the fluid (images.h), with their exact gradients;
 //  - conjugate gradients with bounds (pressure_system.h) in place of Jacobi steps.
 // Bodies are part of the system: their masses are in it, and they move with every iteration.
-// Kept between calls: the multipliers, in FluidPool::lambda, kg m^2/s; over h V they are the pressure. Weak spots: a
-// slosh of 20 spacings' depth still loses 8 % of its amplitude in half a period with the kernel "wendland" over 4
-// spacings (tests/fluid/test_waves.cpp), and far more with "cubic"; pressure does not pull.
+// Kept between calls: the multipliers, in FluidPool::lambda, kg m^2/s; over h V they are the pressure. Weak spots:
+// still water keeps a noise of some 3 cm/s; with the kernel "cubic" waves lose twice as much as with "wendland"
+// (tests/fluid/test_waves.cpp); pressure does not pull.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -28,10 +31,12 @@ namespace {
 
 constexpr Real kCflTravel = Real(0.4);       // spacings that particles or bodies move in a solver substep
 constexpr int kMostIterations = 100;         // of a solve
-constexpr double kVelocityTolerance = 0.05;  // growth of the density in a substep, over the tolerance of the density
-constexpr Real kCarriedLoad = 1;       // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
-constexpr Real kMaxShift = Real(0.5);  // spacings, of a displacement
-constexpr double kMissed = 10;         // times the tolerance: errors that are worth a warning
+constexpr double kVelocityTolerance = 0.01;  // growth of the density in a substep, over the tolerance of the density;
+                                             // what is left of it is noise
+constexpr Real kCarriedLoad = 1;  // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
+constexpr Real kMostRebound = Real(0.01);     // of the density ratio, that velocities take back in a substep
+constexpr Real kMaxShift = Real(0.5);         // spacings, of a displacement
+constexpr double kMissed = 10;                // times the tolerance: errors that are worth a warning
 constexpr Real kBudgetPatience = Real(0.25);  // s, for which a solve fails before a warning: splashes pass
 
 class Dfsph final : public FluidSolver {
@@ -134,31 +139,34 @@ double Dfsph::list_pools(StepContext& c) {
   return least;
 }
 
+// Densities and, where they are far too high, displacements that no velocity feels.
 void Dfsph::correct_density(StepContext& c) {
   const double wanted = list_pools(c);
   if (system_.empty()) return;
   system_.prepare(*c.jobs);
+  bool far = false;
   each(c, [&](FluidPool& p) {
-    const Real scale = p.last_h > 0 ? h_ * h_ / p.last_h : Real(0);
-    for (std::uint32_t i = 0; i < p.count; ++i) {
-      p.allowed[i] = p.ratio[i] > 1 ? 1 - p.ratio[i] : std::max(Real(0), 1 - p.air[i] - p.ratio[i]);
-      p.shifts[i] = scale * p.lambda[i];
-    }
+    const PressureSystem::Excess e = system_.excess(p, kMostRebound, *c.jobs);
+    p.too_dense = e.mean > kMissed * wanted ? p.too_dense + h_ : Real(0);
+    far = far || e.beyond;
   });
+  if (!far) return;
   each(c, [&](FluidPool& p) {
-    double excess = 0;
-    for (std::uint32_t i = 0; i < p.count; ++i) excess += std::max(0.0, static_cast<double>(p.ratio[i]) - 1);
-    p.too_dense = excess > kMissed * wanted * p.count ? p.too_dense + h_ : Real(0);
+    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t i = first; i < last; ++i)
+        p.allowed[i] = p.ratio[i] > 1 ? std::min(1 + kMostRebound - p.ratio[i], Real(0)) : 1 - p.ratio[i];
+    });
   });
-  const PressureSystem::Result r = system_.solve_displacements(wanted, kMostIterations, *c.jobs);
-  if (r.iterations == 0) return;
+  if (system_.solve_displacements(wanted, kMostIterations, *c.jobs).iterations == 0) return;
   each(c, [&](FluidPool& p) {
     const Real longest = kMaxShift * p.desc.spacing;
-    for (std::uint32_t i = 0; i < p.count; ++i) {
-      const Vec3 by = p.extra[i].vec();
-      const Real far = length(by);
-      p.x[i].set(p.x[i].vec() + (far > longest ? Vec3(longest / far * by) : by));
-    }
+    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t i = first; i < last; ++i) {
+        const Vec3 by = p.extra[i].vec();
+        const Real far_by = length(by);
+        p.x[i].set(p.x[i].vec() + (far_by > longest ? Vec3(longest / far_by * by) : by));
+      }
+    });
   });
   system_.prepare(*c.jobs);
 }
@@ -171,7 +179,9 @@ void Dfsph::correct_velocities(StepContext& c) {
     const Real scale = p.last_h > 0 ? h_ / p.last_h : Real(0);
     c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) {
-        p.allowed[i] = std::max(Real(0), 1 - p.air[i] - p.ratio[i]) / h_;
+        const Real room =
+            p.ratio[i] > 1 ? std::max(1 - p.ratio[i], -kMostRebound) : std::max(Real(0), 1 - p.air[i] - p.ratio[i]);
+        p.allowed[i] = room / h_;
         p.lambda[i] *= scale;
         p.v[i].set(p.v[i].vec() + kick);
       }

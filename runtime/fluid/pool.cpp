@@ -107,6 +107,7 @@ void FluidPool::keep_listed() {
 void FluidPool::keep_solved() {
   for (auto* array : {&residual, &allowed, &air, &shifts})
     if (array->empty()) array->resize(x.size());
+  if (!images) images = std::make_unique<BoundaryImages>(arena);
 }
 
 void FluidPool::put_sentinel() {
@@ -182,13 +183,17 @@ SweepInput FluidPool::sweep_input() const {
   return in;
 }
 
-void FluidPool::find_ratios(JobPool& jobs) {
+void FluidPool::find_ratios(const Boundary& boundary, JobPool& jobs) {
+  if (images) images->build(*this, boundary, jobs);
   const SweepInput in = sweep_input();
   jobs.for_blocks(count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     sweeps->values(in, first, last, sum.data());
     for (std::uint32_t i = first; i < last; ++i) {
       Real r = value_factor * sum[i] + own_value + screen[i];
-      for (const BoundaryContact& c : contacts_of(i)) r += table->at(c.distance(x[i].vec()) / support).value;
+      if (images)
+        r += images->of(i).value;
+      else
+        for (const BoundaryContact& c : contacts_of(i)) r += table->at(c.distance(x[i].vec()) / support).value;
       ratio[i] = r;
     }
   });

@@ -5,6 +5,7 @@
 #include "feder/fluid.h"
 #include "feder/plan.h"
 #include "fluid/boundary.h"
+#include "fluid/images.h"
 #include "neighbors/cell_grid.h"
 #include "neighbors/neighbor_search.h"
 #include "sph/boundary_table.h"
@@ -38,6 +39,7 @@ struct FluidPool {
   const Sweeps* sweeps;
   std::unique_ptr<BoundaryTable> table;
   std::unique_ptr<NeighborSearch> search;
+  std::unique_ptr<BoundaryImages> images;  // dfsph: of the boundary, in densities; null: the table is
 
   // State.
   std::uint32_t count = 0;
@@ -125,7 +127,7 @@ struct FluidPool {
     return {contacts.data() + contact_first[i], contact_first[i + 1] - contact_first[i]};
   }
   // Density over density at rest of all particles where they are; lists must be fresh.
-  void find_ratios(JobPool& jobs);
+  void find_ratios(const Boundary& boundary, JobPool& jobs);
   Real max_speed() const;
   double kinetic_energy() const;  // J; watch.cpp
 

@@ -30,66 +30,77 @@ void PressureSystem::each(JobPool& jobs, F&& f) {
 }
 
 template <class F>
+PressureSystem::Sums PressureSystem::sum_of(FluidPool& p, JobPool& jobs, F&& f) {
+  const std::uint32_t blocks = (p.count + kParticleGrain.items - 1) / kParticleGrain.items;
+  sums_.assign(blocks, Sums{});
+  jobs.for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    Sums s;
+    for (std::uint32_t i = first; i < last; ++i) f(p, i, s);
+    sums_[first / kParticleGrain.items] = s;
+  });
+  Sums all;
+  for (const Sums& s : sums_) all.add(s);
+  return all;
+}
+
+template <class F>
 PressureSystem::Sums PressureSystem::sum(JobPool& jobs, F&& f) {
   Sums all;
-  for (FluidPool* p : pools_) {
-    const std::uint32_t blocks = (p->count + kParticleGrain.items - 1) / kParticleGrain.items;
-    sums_.assign(blocks, Sums{});
-    jobs.for_blocks(p->count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      Sums s;
-      for (std::uint32_t i = first; i < last; ++i) f(*p, i, s);
-      sums_[first / kParticleGrain.items] = s;
-    });
-    for (const Sums& s : sums_) all.add(s);
-  }
+  for (FluidPool* p : pools_) all.add(sum_of(*p, jobs, f));
   return all;
+}
+
+PressureSystem::Excess PressureSystem::excess(FluidPool& p, Real bound, JobPool& jobs) {
+  const Sums s = sum_of(p, jobs, [&](FluidPool& q, std::uint32_t i, Sums& t) {
+    t.error += std::max(0.0, static_cast<double>(q.ratio[i]) - 1);
+    t.room = std::min(t.room, 1 + static_cast<double>(bound - q.ratio[i]));
+  });
+  return {p.count > 0 ? s.error / p.count : 0.0, s.room < 0};
 }
 
 void PressureSystem::prepare(JobPool& jobs) {
   for (FluidPool* pool : pools_) {
     FluidPool& p = *pool;
+    p.images->build(p, *boundary_, jobs);
     const SweepInput in = p.sweep_input();
     const Real inv_mass = 1 / p.mass, rs = p.support * p.support * p.slope_factor * p.slope_factor;
     jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
       for (std::uint32_t i = first; i < last; ++i) {
-        Real walled = 0, shared = 0, opposed = 0;
-        const Vec3 pair = p.slope_factor * p.move[i].vec();
-        Vec3 wall = Vec3::Zero(), open = pair;
-        for (const BoundaryContact& k : p.contacts_of(i)) {
-          const Vec3 x = p.x[i].vec();
-          const BoundaryTerms s = p.table->at(k.distance(x) / p.support);
-          walled += s.value;
-          const Real slope = s.slope / p.support;
-          wall -= slope * k.normal;
-          open -= s.colour / p.support * k.normal;
-          opposed += slope * slope;
-          const BoundaryBody& b = boundary_->body_of(k);
-          if (b.dynamic) shared += slope * std::max(b.contact_weight, slope) * b.response(x, k.normal);
+        const BoundaryImages::Sum& of = p.images->of(i);
+        const Vec3 open = p.slope_factor * p.move[i].vec() + of.gradient;
+        Real shared = 0;
+        for (std::uint32_t at = p.contact_first[i]; at < p.contact_first[i + 1]; ++at) {
+          const BoundaryBody& b = boundary_->body_of(p.contacts[at]);
+          if (!b.dynamic) continue;
+          const Real slope = length(p.images->push(at).linear);
+          shared += slope * std::max(b.contact_weight, slope) * b.response(p.x[i].vec(), p.contacts[at].normal);
         }
-        // between two solids gradients cancel, but pressure acts on both
-        opposed = std::max(Real(0), opposed - wall.squaredNorm());
         p.diagonal[i] =
-            inv_mass * std::max(p.least_squares, (pair + wall).squaredNorm() + opposed + rs * p.squares[i]) + shared;
-        p.ratio[i] = p.value_factor * p.move[i].w + p.own_value + p.screen[i] + walled;
+            inv_mass * std::max(p.least_squares, open.squaredNorm() + of.squares + rs * p.squares[i]) + shared;
+        p.ratio[i] = p.value_factor * p.move[i].w + p.own_value + p.screen[i] + of.value;
         p.air[i] = p.table->air(length(open) * p.support);
       }
     });
   }
 }
 
-Real PressureSystem::wall_growth(const FluidPool& p, const BoundaryContact& k, const Vec3& u, bool of_moved) const {
-  const Vec3 x = p.x[k.particle].vec();
-  Vec3 relative = u;
-  if (bodies_) {
-    const std::uint32_t at = boundary_->shapes[k.shape].body;
-    const BoundaryBody& b = boundary_->bodies[at];
+// What the boundary adds to the growth of the ratio of particle i.
+Real PressureSystem::wall_growth(const FluidPool& p, std::uint32_t i, const Array<Row4>& u, bool of_moved) const {
+  if (p.contact_first[i] == p.contact_first[i + 1]) return 0;
+  Real sum = dot(p.images->of(i).gradient, u[i].vec());
+  for (const BoundaryImages::Term& t : p.images->terms(i)) sum += dot(t.gradient(), u[t.other].vec());
+  if (!bodies_) return sum;
+  for (std::uint32_t at = p.contact_first[i]; at < p.contact_first[i + 1]; ++at) {
+    const std::uint32_t n = boundary_->shapes[p.contacts[at].shape].body;
+    const BoundaryBody& b = boundary_->bodies[n];
+    const BoundaryImages::Push& push = p.images->push(at);
     if (!of_moved)
-      relative -= b.velocity_at(x);
+      sum -= dot(push.linear, b.velocity) + dot(push.angular, b.angular_velocity);
     else if (b.dynamic)
-      relative -= moved_[at].velocity + cross(moved_[at].angular_velocity, x - b.center);
+      sum -= dot(push.linear, moved_[n].velocity) + dot(push.angular, moved_[n].angular_velocity);
   }
-  return -p.table->at(k.distance(x) / p.support).slope / p.support * dot(k.normal, relative);
+  return sum;
 }
 
 void PressureSystem::press(JobPool& jobs) {
@@ -102,23 +113,20 @@ void PressureSystem::press(JobPool& jobs) {
     jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       p.sweeps->push(in, first, last, &p.move[0].x);
       for (std::uint32_t i = first; i < last; ++i) {
-        Vec3 a = -p.slope_factor * p.move[i].vec();
-        for (BoundaryContact& k : p.contacts_of(i)) {
-          k.impulse = p.x[i].w * p.table->at(k.distance(p.x[i].vec()) / p.support).slope / p.support;
-          a += k.impulse * k.normal;
-        }
-        p.move[i].set(inv_mass * a);
+        Vec3 a = p.slope_factor * p.move[i].vec() + p.x[i].w * p.images->of(i).gradient;
+        for (const BoundaryImages::Term& t : p.images->back(i)) a += p.x[t.other].w * t.gradient();
+        p.move[i].set(-inv_mass * a);
       }
     });
     p.move[p.count] = {};
     if (!bodies_) continue;
     for (const std::uint32_t at : p.dynamic_contacts) {
-      const BoundaryContact& k = p.contacts[at];
-      const std::uint32_t n = boundary_->shapes[k.shape].body;
+      const std::uint32_t n = boundary_->shapes[p.contacts[at].shape].body;
       const BoundaryBody& b = boundary_->bodies[n];
-      const Vec3 impulse = -k.impulse * k.normal;
-      moved_[n].velocity += b.inv_mass.cwiseProduct(impulse);
-      moved_[n].angular_velocity += b.inv_inertia * cross(p.x[k.particle].vec() - b.center, impulse);
+      const BoundaryImages::Push& push = p.images->push(at);
+      const Real weight = p.x[p.contacts[at].particle].w;
+      moved_[n].velocity += weight * b.inv_mass.cwiseProduct(push.linear);
+      moved_[n].angular_velocity += weight * (b.inv_inertia * push.angular);
     }
   }
 }
@@ -138,7 +146,7 @@ void PressureSystem::grow(JobPool& jobs, bool of_moved) {
       p.sweeps->growth(in, first, last, p.sum.data());
       for (std::uint32_t i = first; i < last; ++i) {
         Real sum = p.slope_factor * p.sum[i];
-        for (const BoundaryContact& k : p.contacts_of(i)) sum += wall_growth(p, k, u[i].vec(), of_moved);
+        sum += wall_growth(p, i, u, of_moved);
         p.sum[i] = of_moved ? sum - softness_ * p.diagonal[i] * p.x[i].w : sum;
       }
     });
@@ -273,10 +281,11 @@ PressureSystem::Result PressureSystem::solve_velocities(double tolerance, int mo
     FluidPool& p = *pool;
     for (std::uint32_t at = 0; at < p.contact_first[p.count]; ++at) {
       BoundaryContact& k = p.contacts[at];
-      const Vec3 x = p.x[k.particle].vec();
-      k.impulse = p.lambda[k.particle] * p.table->at(k.distance(x) / p.support).slope / p.support;
+      const BoundaryImages::Push& push = p.images->push(at);
+      const Real l = p.lambda[k.particle];
+      k.impulse = -l * dot(push.linear, k.normal);
       BoundaryBody& b = boundary_->body_of(k);
-      if (b.dynamic) b.push(x, -k.impulse * k.normal);
+      if (b.dynamic) b.push_by(l * push.linear, l * push.angular);
     }
   }
   clear_weights(jobs);
@@ -285,7 +294,10 @@ PressureSystem::Result PressureSystem::solve_velocities(double tolerance, int mo
 
 PressureSystem::Result PressureSystem::solve_displacements(double tolerance, int most, JobPool& jobs) {
   bodies_ = false, softness_ = kSoftness;
-  for (FluidPool* p : pools_) std::fill(p->extra.begin(), p->extra.begin() + p->count + 1, Row4{});
+  for (FluidPool* p : pools_) {
+    std::fill(p->extra.begin(), p->extra.begin() + p->count + 1, Row4{});
+    std::fill(p->shifts.begin(), p->shifts.begin() + p->count, Real(0));
+  }
   const Result r = solve(tolerance, most, jobs);
   clear_weights(jobs);
   return r;

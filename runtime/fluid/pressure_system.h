@@ -28,11 +28,16 @@ class PressureSystem {
   bool empty() const { return pools_.empty(); }
   // Density ratios, the diagonal, and the share of each kernel that lies in the air, where the particles are.
   void prepare(JobPool& jobs);
+  // Of the ratios of a pool: mean of what is above 1, and whether one is above 1 + `bound`.
+  struct Excess {
+    double mean = 0;
+    bool beyond = false;
+  };
+  Excess excess(FluidPool& p, Real bound, JobPool& jobs);
   // Velocities `v`, from the multipliers in `lambda` on; allowed growth in `allowed`, 1/s. Pushes bodies.
   Result solve_velocities(double tolerance, int most, JobPool& jobs);
-  // Displacements, in `extra`, of particles alone; `allowed` is negative where the fluid is too dense. `shifts`: what
-  // the multipliers may fall by, as particles under pressure may come nearer, kg m^2. Softened: each further multiplier
-  // leaves some of the error.
+  // Displacements, in `extra`, of particles alone, from none; `allowed` is negative where the fluid is too dense.
+  // Softened: each multiplier leaves some of the error.
   Result solve_displacements(double tolerance, int most, JobPool& jobs);
 
  private:
@@ -41,12 +46,14 @@ class PressureSystem {
     void add(const Sums& s);
   };
   template <class F>
-  Sums sum(JobPool& jobs, F&& f);  // f(pool, i, sums)
+  Sums sum_of(FluidPool& p, JobPool& jobs, F&& f);  // f(pool, i, sums)
+  template <class F>
+  Sums sum(JobPool& jobs, F&& f);  // of all pools
   template <class F>
   void each(JobPool& jobs, F&& f);  // f(pool, i)
   Array<Row4>& state(FluidPool& p) const { return bodies_ ? p.v : p.extra; }
   Array<Real>& multipliers(FluidPool& p) const { return bodies_ ? p.lambda : p.shifts; }
-  Real wall_growth(const FluidPool& p, const BoundaryContact& k, const Vec3& u, bool of_moved) const;
+  Real wall_growth(const FluidPool& p, std::uint32_t i, const Array<Row4>& u, bool of_moved) const;
   void press(JobPool& jobs);                // direction in `next_weight` -> M^-1 G^T of it, in `move` and moved_
   void grow(JobPool& jobs, bool of_moved);  // G of that, softened, or of the state, to `sum`
   void step(Real size, JobPool& jobs);

@@ -15,7 +15,7 @@ void Fluid::Impl::refresh(FluidPool& p) {
   p.put_sentinel();
   p.find_neighbors(one_thread, 0);
   p.find_contacts(one_thread, boundary, 0, Vec3::Zero(), false);
-  p.find_ratios(one_thread);
+  p.find_ratios(boundary, one_thread);
 }
 
 std::vector<std::uint32_t> Fluid::Impl::by_id(const FluidPool& p) const {

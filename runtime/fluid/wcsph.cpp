@@ -205,7 +205,7 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
   // pressure over squared density, as weights of the sweep; where the speed of sound has risen, pressure keeps its
   // value
   const Real h = h_;
-  p.find_ratios(*c.jobs);
+  p.find_ratios(*boundary, *c.jobs);
   const bool risen = c.inner.index == 0 && p.sound_before > 0 && p.sound > p.sound_before;
   const Real stay = p.settling / (p.settling + h);
   for (std::uint32_t i = 0; i < p.count; ++i) {
