@@ -36,11 +36,12 @@ return feder.scene {
   }),
 
   build = function(world)
-    local bends = 12
-    for i = 0, bends do
-      local turn = math.pi * i / bends
-      local nx, ny = math.cos(turn), math.sin(turn)
-      world:body { type = "static", shape = feder.plane(nx, ny, 0, -outer) }
+    -- the bend of the outer wall: planes that leave as much room as its half circle
+    local parts = 12
+    for i = 0, parts do
+      local turn, half = math.pi * i / parts, math.pi / (2 * parts)
+      local r = (i == 0 or i == parts) and outer or outer * math.sqrt(half / math.tan(half))
+      world:body { type = "static", shape = feder.plane(math.cos(turn), math.sin(turn), 0, -r) }
     end
     world:body { type = "static", shape = feder.circle(inner) }
     world:body { type = "static", shape = feder.box(2 * inner, 4 * arm, 1), position = { 0, 2 * arm, 0 } }
