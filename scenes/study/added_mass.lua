@@ -119,6 +119,9 @@ return feder.scene {
 
   check = function(world, _, expect)
     expect(world:is_finite())
+    local x, far = water:positions(), 0
+    for i = 1, #x, 3 do far = math.max(far, x[i] ^ 2 + x[i + 1] ^ 2 + x[i + 2] ^ 2) end
+    expect(math.sqrt(far) < b * radius + p.spacing, "fluid is out of the tank")
     expect.error(error_now(world:time()), "<", p.solver == "dfsph" and 0.06 or 0.05, "acceleration")  -- the aim is 0.05
   end,
 }

@@ -50,7 +50,9 @@ return feder.scene {
 
   study = problem.of_fluid(p, function() return water end, {
     observe = wave,
-    reference = function(t) return start == "shape" and first * math.cos(frequency * t) or math.sin(frequency * t) end,
+    reference = function(t)
+      return first * math.cos(frequency * t) + (start == "velocity" and math.sin(frequency * t) or 0)
+    end,
     error = function() return problem.swing_error(quantity, times, values, frequency) end,
     scale = { length = 1, velocity = frequency },
     certainty = { source = "w^2 = g k tanh(k h) of the first mode, by the damped swing next to the run",

@@ -66,6 +66,11 @@ return feder.scene {
 
   check = function(world, _, expect)
     expect(world:is_finite())
+    local x = water:positions()
+    for i = 1, #x, 3 do
+      local r = x[i + 1] > 0 and math.abs(x[i]) or math.sqrt(x[i] ^ 2 + x[i + 1] ^ 2)
+      if r < inner or r > outer + 0.5 * p.spacing then expect(false, "water is out of the tube") end
+    end
     local period, loss = problem.period_and_loss(times, values, frequency)
     expect.error(math.abs(period - 1), "<", 0.03, "period")
     expect.error(loss, "<", 0.27, "share of the height lost in a period")
