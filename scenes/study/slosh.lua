@@ -4,8 +4,8 @@ local feder = require "feder"
 local problem = require "feder.problem"
 
 local p = problem.fluid(40, 3.6)
--- Velocities leave the lattice of still water as it is, at its density; the raised wave is one only to the first order of
--- its height, and squeezes particles at the crest.
+-- Velocities leave the lattice of still water as it is; a raised wave is one only to the first order of its height, and
+-- its lattice is sheared.
 local start = feder.param("start", "velocity", { choices = { "velocity", "shape" },
   help = "still water that is given the velocities of the wave, or the raised wave at rest" })
 local quantity = problem.swing_quantity()
