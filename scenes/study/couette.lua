@@ -1,5 +1,5 @@
--- The flow between two plates starts when the upper one starts to move: its profile is the series of Morris, Fox and Zhu,
--- Modeling Low Reynolds Number Incompressible Flows Using SPH (1997), eq. 20.
+-- The flow between two plates starts when the upper one starts to move: its profile is the series of Morris, Fox and
+-- Zhu, Modeling Low Reynolds Number Incompressible Flows Using SPH (1997), eq. 20.
 local feder = require "feder"
 local problem = require "feder.problem"
 

@@ -1,6 +1,7 @@
--- A vortex in a box that it slips along loses its energy to viscosity alone (Taylor and Green 1937): u = U sin(k x) cos(k y),
--- v = -U cos(k x) sin(k y) have no normal component and no shear at the walls of a box of side pi / k, which is one vortex
--- of the periodic array; all of it decays as e^(-2 nu k^2 t), its energy as e^(-4 nu k^2 t). Re = U L / nu with L two sides.
+-- A vortex in a box that it slips along loses its energy to viscosity alone (Taylor and Green 1937): u = U sin(k x)
+-- cos(k y), v = -U cos(k x) sin(k y) have no normal component and no shear at the walls of a box of side pi / k, which
+-- is one vortex of the periodic array; all of it decays as e^(-2 nu k^2 t), its energy as e^(-4 nu k^2 t). Re = U L /
+-- nu with L two sides.
 local feder = require "feder"
 local problem = require "feder.problem"
 

@@ -1,5 +1,6 @@
--- Water swings in a U tube: w^2 = 2 g / L (Newton, Principia II, prop. 44), L the length of the tube along its middle; in
--- a bend of two dimensions the flow goes as 1 / r, and is as long as its angle times width / ln(outer / inner radius).
+-- Water swings in a U tube: w^2 = 2 g / L (Newton, Principia II, prop. 44), L the length of the tube along its middle;
+-- in a bend of two dimensions the flow goes as 1 / r, and is as long as its angle times width / ln(outer / inner
+-- radius).
 local feder = require "feder"
 local problem = require "feder.problem"
 
