@@ -27,7 +27,10 @@ DOCUMENTS = ("README.md", "runtime/README.md", "scenes/README.md", "bindings/REA
 PICTURES = "tests/golden/pictures"
 EVERYTHING = "scenes/mixed/everything.lua"
 FLUIDS = (("hydrostatic", "pressure rho g (H - z)"), ("dam_break", "Martin & Moyce, with the delay of their diaphragm"),
-          ("draught", "Archimedes"), ("poiseuille", "start-up series"), ("droplet", "Lamb's half period"))
+          ("draught", "Archimedes"), ("poiseuille", "start-up series"), ("droplet", "Lamb's half period"),
+          ("slosh", "period of potential theory"), ("u_tube", "Newton's period"), ("vessels", "level of the volume"),
+          ("torricelli", "v^2 = 2 g h"), ("couette", "start-up series"), ("taylor_green", "decay of the energy"),
+          ("added_mass", "g (1 - s) / (s + C)"))
 # problem, substeps, reference
 CLOTHS = (("hanging_sheet", 16, "closed form"), ("catenary", 16, "closed form"), ("cantilever", 32, "elastica"),
           ("drape", 8, "self-refined run"))
@@ -113,10 +116,10 @@ def errors(feder, words, methods):
 
 
 def fluids(feder, _):
-    rows = ["| `feder study` | reference | `pbf` | `wcsph` |", "|---|---|---|---|"]
+    rows = ["| `feder study` | reference | `pbf` | `wcsph` | `dfsph` |", "|---|---|---|---|---|"]
     for problem, reference in FLUIDS:
-        found = errors(feder, [problem, "--ladder", "substeps:4"], ("pbf", "wcsph"))
-        rows.append(f"| `{problem}` | {reference} | {found[0]} | {found[1]} |")
+        found = errors(feder, [problem, "--ladder", "substeps:4"], ("pbf", "wcsph", "dfsph"))
+        rows.append(f"| `{problem}` | {reference} | {' | '.join(found)} |")
     return "\n".join(rows)
 
 

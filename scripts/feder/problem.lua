@@ -86,7 +86,7 @@ end
 
 -- The parameters that problems of fluids have, with `particles` across the length that the problem is about.
 function problem.fluid(particles, t_end)
-  local solvers = feder.choices("fluid.solver")
+  local solvers, kernels = feder.choices("fluid.solver"), feder.choices("fluid.kernel")
   local p = {
     solvers = solvers,
     solver = feder.param("solver", solvers[1], { choices = solvers }),
@@ -94,6 +94,8 @@ function problem.fluid(particles, t_end)
       { min = 5, max = 400, step = 1, help = "across the length that the problem is about" }),
     stiffness = feder.param("stiffness", 0, { min = 0, max = 1e12, help = "bulk modulus for pbf, Pa; 0: as stiff as it can" }),
     compression = feder.param("compression", 0.01, { min = 1e-4, max = 0.2, help = "that wcsph aims at; dfsph at a tenth of it on average" }),
+    kernel = feder.param("kernel", kernels[1], { choices = kernels, help = "by which particles weigh their neighbours" }),
+    support = feder.param("support", 0, { min = 0, max = 4, help = "its radius in spacings; 0: as the kernel proposes" }),
     iterations = feder.param("iterations", 4, { min = 1, max = 1000, step = 1, help = "of pbf in a substep" }),
     rate = feder.param("rate", 60, { min = 10, max = 10000, step = 1, help = "steps a second" }),
     seconds = feder.param("t_end", t_end, { min = 1e-3, max = 60, help = "s" }),
@@ -106,6 +108,7 @@ end
 function problem.water(world, p, options)
   options.solver, options.spacing, options.stiffness = p.solver, p.spacing, p.stiffness
   options.compression, options.iterations = p.compression, p.iterations
+  options.kernel, options.support = p.kernel, p.support > 0 and p.support or nil
   options.tolerance = 10 * p.compression  -- per cent
   return world:fluid(options)
 end
@@ -138,6 +141,54 @@ function problem.tank(world, width)
   world:body { type = "static", shape = feder.plane(0, 1, 0, 0) }
   world:body { type = "static", shape = feder.plane(1, 0, 0, 0) }
   if width then world:body { type = "static", shape = feder.plane(-1, 0, 0, -width) } end
+end
+
+-- The damped swing e^(-rate t) (c cos(w t) + s sin(w t)) next to values at times, by least squares: w and rate, 1/s.
+-- A compass search from w = frequency and rate = 0, c and s in closed form.
+function problem.swing(times, values, frequency)
+  local function misfit(w, rate)
+    local cc, cs, ss, cx, sx, xx = 0, 0, 0, 0, 0, 0
+    for i, t in ipairs(times) do
+      local c, s, x = math.exp(-rate * t), math.sin(w * t), values[i]
+      c, s = c * math.cos(w * t), c * s
+      cc, cs, ss, cx, sx, xx = cc + c * c, cs + c * s, ss + s * s, cx + c * x, sx + s * x, xx + x * x
+    end
+    local determinant = cc * ss - cs * cs
+    if determinant <= 0 then return xx end
+    return xx - (cx * cx * ss - 2 * cx * sx * cs + sx * sx * cc) / determinant
+  end
+  local w, rate, step = frequency, 0, 0.1 * frequency
+  local best = misfit(w, rate)
+  while step > 1e-7 * frequency do
+    local moved = false
+    for _, way in ipairs { { 1, 0 }, { -1, 0 }, { 0, 1 }, { 0, -1 } } do
+      local u, r = w + step * way[1], rate + step * way[2]
+      local found = misfit(u, r)
+      if u > 0.2 * frequency and found < best then w, rate, best, moved = u, r, found, true end
+    end
+    if not moved then step = step / 2 end
+  end
+  return w, rate
+end
+
+-- Of such a swing: its period by that of `frequency`, and the share of its height that it loses in a period (below 0: it
+-- grows). Nil before there is enough to tell.
+function problem.period_and_loss(times, values, frequency)
+  if #times < 4 then return end
+  local w, rate = problem.swing(times, values, frequency)
+  return frequency / w, 1 - math.exp(-2 * math.pi * rate / w)
+end
+
+-- The parameter that says of what their studies are.
+function problem.swing_quantity()
+  return feder.param("quantity", "period", { choices = { "period", "loss" },
+    help = "whose error it is: the period's, or the share of the height that is lost in a period" })
+end
+
+-- Its error; 1 where there is nothing to tell it from.
+function problem.swing_error(quantity, times, values, frequency)
+  local period, loss = problem.period_and_loss(times, values, frequency)
+  return math.abs(not period and 1 or quantity == "loss" and loss or period - 1)
 end
 
 -- Puts vertices to their places of rest; the root mean square of how far they are from there.
