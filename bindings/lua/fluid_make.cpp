@@ -83,6 +83,12 @@ constexpr Option<Volume> kDrain[] = {
     later<Volume>("rotation", "rotation"), later<Volume>("tags", kWordsType),
 };
 
+void read_flux_box(Options& o, const OptionRow& row, FluidBox& box) {
+  if (!box_corners(o, box.lo, box.hi)) o.raise(row.name, "expected {min, max}, got nothing");
+}
+
+constexpr Option<FluidBox> kFlux[] = {box_row(read_flux_box)};
+
 constexpr Option<EmitterDesc> kEmitter[] = {
     field<&EmitterDesc::name>("name"),
     field<&EmitterDesc::position>("position", "m"),
@@ -98,6 +104,7 @@ constexpr Option<EmitterDesc> kEmitter[] = {
 
 std::vector<OptionInfo> fluid_rows() { return describe_rows(kFluid); }
 std::vector<OptionInfo> fill_rows() { return describe_rows(kFill); }
+std::vector<OptionInfo> flux_rows() { return describe_rows(kFlux); }
 std::vector<OptionInfo> emitter_rows() { return describe_rows(kEmitter); }
 std::vector<OptionInfo> drain_rows() { return describe_rows(kDrain); }
 
@@ -117,6 +124,13 @@ std::size_t fluid_fill(const Object<Fluid>& f, lua_State* L) {
   const std::size_t made = f.system.fill(f.id, *v.shape, v.pose, v.velocity);
   charge(L, made);
   return made;
+}
+
+FluidBox fluid_box(const Object<Fluid>& f, lua_State* L) {
+  Options o(L, 2, function_name(L), f.record.planar());
+  FluidBox box;
+  o.read(kFlux, box);
+  return box;
 }
 
 ObjectId fluid_emitter(const Object<Fluid>& f, lua_State* L) {

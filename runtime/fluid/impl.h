@@ -109,6 +109,13 @@ struct Fluid::Impl {
   void suspect(const FluidPool& p);
   void run_emitter(FluidEmitter& e, StepContext& c);
 
+  struct PairCount {
+    std::uint64_t close = 0, all = 0;  // closer than half a spacing; within the support
+    double share() const { return all > 0 ? static_cast<double>(close) / static_cast<double>(all) : 0; }
+  };
+  // sample.cpp, for queries: finds the lists at the present positions.
+  PairCount pairs_of(FluidPool& p);
+  void refresh_near(FluidPool& p, const Vec3& at, const std::vector<std::uint32_t>& wanted);
   void refresh(FluidPool& p);  // lists, contacts and density ratios at the present positions, for queries
   std::vector<std::uint32_t> by_id(const FluidPool& p) const;
   // value(i) of each particle, in the order of making.

@@ -111,6 +111,12 @@ void Fluid::residuals(std::vector<Residual>& out) const {
     }
   out.push_back({"fluid.density_error_max", excess});
   out.push_back({"fluid.density_error_mean", n ? sum / static_cast<double>(n) : 0});
+  Impl::PairCount pairs;
+  for (const auto& p : impl_->pools) {
+    const Impl::PairCount own = impl_->pairs_of(*p);
+    pairs.close += own.close, pairs.all += own.all;
+  }
+  out.push_back({"fluid.clumping", pairs.share()});
   out.push_back({"fluid.lost_particles", static_cast<double>(impl_->lost)});
 }
 

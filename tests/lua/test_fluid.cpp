@@ -73,6 +73,29 @@ TEST_CASE("a region says when the first particle comes and the last has left", "
   )") == "in\tgate\twater\t1\nout\tfluid\t0\n");
 }
 
+TEST_CASE("a fluid is sampled at a point, and what flows through a box is weighed", "[lua][fluid]") {
+  CHECK(output_of(kWater + R"(
+    world:set_gravity(0, 0, 0)
+    water:fill{ box = { {0, 0, 0}, {1, 1, 1} }, velocity = {2, 0, 0} }
+    water:set_velocities(function(x, y) return 2, 3 * x, 0 end)
+    local s = water:sample(0.5, 0.5, 0.5)
+    print(math.abs(s.density - 1000) < 30, #s.velocity, #s.velocity_gradient, #s.velocity_gradient[2])
+    print(("%.1f %.1f %.2f"):format(s.velocity[1], s.velocity[2], s.velocity_gradient[2][1]))
+    print(type(s.pressure), #s.pressure_gradient, #s.density_gradient)
+    local none = water:sample{ 9, 9, 9 }
+    print(none.density, none.pressure, none.velocity[1], none.velocity_gradient[3][3])
+    local f = water:flux{ box = { {0.4, -1, -1}, {0.6, 2, 2} } }
+    print(("%.0f %.0f %.0f %.1f"):format(f.mass, f.x, f.momentum[1], f.velocity[1]))
+    print(water:clumping(), world:residuals()["fluid.clumping"])
+    print(select(2, pcall(water.flux, water, { box = { {1, 0, 0}, {0, 1, 1} } })))
+    print(select(2, pcall(water.flux, water, {})))
+    print(select(2, pcall(water.sample, water, 0, 0 / 0, 0)))
+  )") == "true\t3\t3\t3\n2.0 1.5 3.00\nnumber\t3\t3\n0.0\t0.0\t0.0\t0.0\n200 2000 400 2.0\n0.0\t0.0\n"
+         "test.lua:14: fluid:flux.box: expected the second corner above the first, got 1 and 0 along x\n"
+         "test.lua:15: fluid:flux.box: expected {min, max}, got nothing\n"
+         "test.lua:16: fluid:sample.y: expected a finite number, got nan\n");
+}
+
 TEST_CASE("mistakes name what was expected, and leave the world as it was", "[lua][fluid]") {
   CHECK(error_of("world:fluid{ spacing = 0 }").find("world:fluid.spacing: expected a number above 0, got 0") !=
         std::string::npos);
