@@ -21,12 +21,21 @@ void read_kinematic(Options& o, const OptionRow& row, FluidReading& d) {
   d.viscosity = d.kinematic * d.density;
 }
 
+constexpr const char* kWallSlip = "none, free";
+
+void read_wall_slip(Options& o, const OptionRow& row, FluidReading& d) {
+  int index = 0;
+  if (o.choice(row.name, kWallSlip, index)) d.wall_slip = split_choices(kWallSlip)[static_cast<std::size_t>(index)];
+}
+std::string default_wall_slip(const FluidReading& d) { return print_value(d.wall_slip); }
+
 constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::name>("name"),
     field<&FluidDesc::spacing>("spacing", "m", kPositive),
     field<&FluidDesc::density>("density", "kg/m3", kPositive),
     field<&FluidDesc::viscosity>("viscosity", "Pa s", kNotNegative),
     {{.name = "kinematic_viscosity", .unit = "m2/s", .range = kNotNegative}, "number", read_kinematic},
+    {{.name = "wall_slip", .choices = kWallSlip}, "string", read_wall_slip, default_wall_slip},
     field<&FluidDesc::surface_tension>("surface_tension", "N/m", kNotNegative),
     field<&FluidDesc::solver>("solver").of(names_of<fluid_solvers>),
     field<&FluidDesc::kernel>("kernel").of(names_of<kernels>),
@@ -40,6 +49,7 @@ constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::tolerance>("tolerance", "%", {1e-6, 100}),
     field<&FluidDesc::max_substeps>("max_substeps", "", {1, 100000}),
     field<&FluidDesc::max_particles>("max_particles", "", {1, 134217728}),
+    field<&FluidDesc::kill_height>("kill_height", "m").unset(),
     field<&FluidDesc::group>("group", "", kBits),
     field<&FluidDesc::mask>("mask", "", kBits),
     later<FluidReading>("tags", kWordsType),

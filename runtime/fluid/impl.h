@@ -96,6 +96,10 @@ struct Fluid::Impl {
   static std::uint64_t site_count(const FluidEmitter& e, const FluidPool& p);
   double full_rate(const FluidEmitter& e, const FluidPool& p) const;
 
+  // Removes the particles at positions x for which gone(x), and says how many. step.cpp
+  template <class F>
+  std::uint32_t take_out(FluidPool& p, F&& gone);
+
   // Passes.
   void make_groups(StepContext& c);
   void join_pools(const std::vector<FluidPool*>& members, StepContext& c);
@@ -103,6 +107,7 @@ struct Fluid::Impl {
   void relax(StepContext& c);
   void project(StepContext& c);
   void drain(StepContext& c);
+  void kill(StepContext& c);
   void check(StepContext& c);
   // watch.cpp
   void watch(FluidPool& p, double square, StepContext& c);  // square: sum of the squared speeds, m^2/s^2

@@ -50,6 +50,7 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(
   FEDER_ASSERT(lattice.whole > 0 && lattice.squares > 0 && lattice.viscosity > 0);
   viscous_scale = static_cast<Real>(std::pow(lattice.viscosity, -0.85));
   find_cohesion();
+  slips = desc.wall_slip == "free";
   clearance = Real(0.1) * desc.spacing;
   table = std::make_unique<BoundaryTable>(*kernel, dim, in_spacings);
   search = find_variant(neighbor_searches(), desc.neighbors, "neighbor search").make(a, Params());

@@ -33,6 +33,7 @@ struct FluidPool {
   Real viscous_scale;  // correction of viscosity, see pool.cpp
   Real cohesion;       // largest force between two particles that gives the surface tension, N
   Real inward;         // pressure inside that balances it, Pa
+  bool slips;          // no friction at the boundary
   Real clearance;      // least distance of a particle from the boundary, m
   const Kernel* kernel;
   const Sweeps* sweeps;

@@ -23,6 +23,18 @@ TEST_CASE("a fluid is made, filled and asked", "[lua][fluid]") {
   )") == "fluid\twater\t0\n60\t60\n60.000 1.000\n180\t0.05 0.05 0.05\ntrue\n2\ntrue\ttrue\nnil\ttrue\n");
 }
 
+TEST_CASE("particles below kill_height are gone", "[lua][fluid]") {
+  CHECK(output_of(R"(
+    local rain = world:fluid{ spacing = 0.1, kill_height = -0.5 }
+    rain:fill{ box = { {0, 0, 0}, {0.3, 0.2, 0.2} } }
+    world:step(6)
+    print(rain:count())
+    world:step(60)
+    print(rain:count(), rain:mass())
+    print(select(2, pcall(world.fluid, world, { kill_height = "low" })))
+  )") == "12\n0\t0.0\t1.0\ntest.lua:8: world:fluid.kill_height: expected a finite number, got 'low'\n");
+}
+
 TEST_CASE("velocities come from a function or a buffer", "[lua][fluid]") {
   CHECK(output_of(kWater + R"(
     water:fill{ box = { {0, 0, 0}, {0.2, 0.1, 0.1} } }
@@ -103,6 +115,9 @@ TEST_CASE("mistakes name what was expected, and leave the world as it was", "[lu
   CHECK(error_of("world:fluid{ solver = 'sph' }").find("known: pbf, dfsph, wcsph") != std::string::npos);
   CHECK(error_of("world:fluid{ solver = 'dfsph', tolerance = 0 }").find("world:fluid.tolerance: expected") !=
         std::string::npos);
+  CHECK(error_of("world:fluid{ wall_slip = 'some' }").find("world:fluid.wall_slip: ") != std::string::npos);
+  CHECK(error_of("world:fluid{ wall_slip = 'some' }").find("none, free") != std::string::npos);
+  CHECK(output_of("print(world:fluid{ wall_slip = 'free', viscosity = 1 }:kind())") == "fluid\n");
   CHECK(error_of("world:fluid{ kernel = 'gauss' }").find("known: cubic, wendland, poly6_spiky") != std::string::npos);
   CHECK(error_of("world:fluid{ neighbors = 'octree' }").find("known: grid") != std::string::npos);
   CHECK(error_of("world:fluid{ viscosity = 1, kinematic_viscosity = 1 }").find("got both") != std::string::npos);

@@ -34,8 +34,9 @@ struct FluidDesc {
   TagMask tags = 0;
   Real spacing = Real(0.05);  // between particles at rest, m
   Real density = 1000;        // at rest, kg/m^3 (dimension 2: kg/m^2)
-  Real viscosity = 0;         // dynamic, Pa s; no slip at boundaries when above 0
-  Real surface_tension = 0;   // N/m
+  Real viscosity = 0;         // dynamic, Pa s; acts at boundaries as well, unless wall_slip is "free"
+  std::string wall_slip = "none";
+  Real surface_tension = 0;  // N/m
   std::string solver = default_fluid_solver();
   std::string kernel = default_fluid_kernel();
   std::string neighbors = default_fluid_neighbors();
@@ -48,15 +49,17 @@ struct FluidDesc {
   int max_substeps = 60;                  // largest number of solver substeps in a substep of the world
   std::size_t max_particles = 1000000;
   Real gravity_scale = 1;
+  Real kill_height = -kInfinity;  // m; particles below it are removed after each step
   std::uint32_t group = 1, mask = 0xffffffffu;
 
   // Calls f(field) for all of them, in this order.
   template <class D, class F>
   static void each_field(D& d, F&& f) {
-    f(d.name), f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.surface_tension), f(d.solver), f(d.kernel);
+    f(d.name), f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.wall_slip), f(d.surface_tension), f(d.solver),
+        f(d.kernel);
     f(d.neighbors), f(d.support), f(d.stiffness), f(d.iterations), f(d.tolerance), f(d.compression),
         f(d.artificial_viscosity);
-    f(d.max_substeps), f(d.max_particles), f(d.gravity_scale), f(d.group), f(d.mask);
+    f(d.max_substeps), f(d.max_particles), f(d.gravity_scale), f(d.kill_height), f(d.group), f(d.mask);
   }
 };
 
