@@ -180,6 +180,29 @@ const Method kDrainMethods[] = {
     {"fluid", method<&Fluid::fluid_of>, "drain:fluid() -> fluid", "what it empties"},
 };
 
+// A function may destroy or fill what it is asked about: particles that are new then feel nothing yet.
+void fluid_forces(ForceRun& run) {
+  World& world = *run.record().world;
+  Fluid* system = world.find<Fluid>();
+  if (!system) return;
+  system->clear_script_forces();
+  const Objects& objects = world.objects();
+  std::vector<ObjectId> all;
+  objects.for_each(kFluidKind, [&](ObjectId id) { all.push_back(id); });
+  std::vector<Vec3> x, v, force;
+  for (const ObjectId id : all) {
+    if (!objects.alive(id) || !run.any(id)) continue;
+    system->positions(id, x), system->velocities(id, v);
+    const Real mass = system->particle_mass(id);
+    force.clear();
+    for (std::size_t i = 0; i < x.size() && objects.alive(id); ++i)
+      force.push_back(run.sum(id, static_cast<std::uint32_t>(i), x[i], v[i], mass));
+    if (!objects.alive(id)) continue;
+    force.resize(system->particle_count(id), Vec3::Zero());
+    system->set_script_forces(id, force);
+  }
+}
+
 std::vector<ObjectId> destroy_fluid(WorldRecord& record, ObjectId id, const std::string& where) {
   Fluid& fluid = record.world->need<Fluid>();
   std::vector<ObjectId> sources;  // go with it
@@ -235,10 +258,19 @@ const YamlList kYaml[] = {{"fluids", make_fluid, "fluid", source_rows}};
 
 const Part& fluid_part() {
   static const ObjectClass classes[] = {
-      {.name = "fluid", .methods = kFluidMethods, .destroy = &destroy_fluid, .contact_field = "count"},
+      {.name = "fluid",
+       .methods = kFluidMethods,
+       .destroy = &destroy_fluid,
+       .contact_field = "count",
+       .takes_forces = true},
       {.name = "emitter", .methods = kEmitterMethods, .destroy = destroy_alone<&Fluid::destroy_emitter>},
       {.name = "drain", .methods = kDrainMethods, .destroy = destroy_alone<&Fluid::destroy_drain>}};
-  static const Part part = {.name = "fluid", .world = kWorld, .classes = classes, .yaml = kYaml};
+  static const Part part = {.name = "fluid",
+                            .world = kWorld,
+                            .classes = classes,
+                            .yaml = kYaml,
+                            .apply_forces = &fluid_forces,
+                            .clear_forces = &clear_script_forces<Fluid>};
   return part;
 }
 

@@ -39,8 +39,9 @@ void check_desc(const FluidDesc& d) {
 }  // namespace
 
 Fluid::Impl::Impl(SystemSetup& s)
-    : arena(s.store.arena(kName)), objects(s.objects), commands(s.commands), watched(s.store.need<Watch>("watch")),
-      boundary(s.store.need<Boundary>(kName)), dimension(s.dimension), structure_changed(s.structure_changed) {}
+    : arena(s.store.arena(kName)), store(s.store), objects(s.objects), commands(s.commands),
+      watched(s.store.need<Watch>("watch")), boundary(s.store.need<Boundary>(kName)), dimension(s.dimension),
+      structure_changed(s.structure_changed) {}
 
 const SystemDescriptor& Fluid::descriptor() {
   static constexpr ObjectKind kinds[] = {kFluidKind, kEmitterKind, kDrainKind};
@@ -90,6 +91,10 @@ void Fluid::add_passes(StepPlan& plan) {
   for (const auto& p : m->pools) fresh = fresh || p->fresh;
   if (fresh) plan.add<&Impl::relax>(Rank::fluid_settle, "make room", kName, m);
   plan.add<&Impl::make_groups>(before(Rank::fluid_choose), "groups", kName, m);
+  if (m->has_forces()) {
+    if (m->has_wind()) plan.add<&Impl::find_surfaces>(before(Rank::fluid_choose), "surfaces", kName, m);
+    plan.add<&Impl::apply_forces>(before(Rank::fluid_predict), "forces", kName, m);
+  }
   for (auto& s : m->solvers)
     if (s && !s->pools.empty()) s->add_passes(plan);
   plan.add<&Impl::project>(Rank::boundary_project, "non-penetration", kName, m);

@@ -46,6 +46,7 @@ struct Fluid::Impl {
   explicit Impl(SystemSetup& setup);
 
   Arena& arena;
+  const Store& store;
   Objects& objects;
   CommandLog& commands;
   Watch& watched;
@@ -109,6 +110,14 @@ struct Fluid::Impl {
   void drain(StepContext& c);
   void kill(StepContext& c);
   void check(StepContext& c);
+  // external_forces.cpp: the world's forces and those of scripts.
+  bool has_forces() const;
+  bool has_wind();  // and makes room for the surfaces that it acts on
+  void find_surfaces(StepContext& c);
+  void apply_forces(StepContext& c);
+  template <class F>
+  void each_force(const FluidPool& p, F&& f) const;  // calls f(entry) for the generators that act on the pool
+  double potential(const FluidPool& p) const;        // of them, J
   // watch.cpp
   void watch(FluidPool& p, double square, StepContext& c);  // square: sum of the squared speeds, m^2/s^2
   void suspect(const FluidPool& p);

@@ -84,6 +84,7 @@ Energy Fluid::energy(const Vec3& gravity) const {
   Energy sum;
   for (const auto& p : impl_->pools) {
     const double m = p->mass, g = p->desc.gravity_scale;
+    sum.potential += impl_->potential(*p);
     for (std::uint32_t i = 0; i < p->count; ++i) {
       const Vec3 v = p->v[i].vec(), x = p->x[i].vec();
       double vv = 0, gx = 0;

@@ -35,6 +35,49 @@ TEST_CASE("particles below kill_height are gone", "[lua][fluid]") {
   )") == "12\n0\t0.0\t1.0\ntest.lua:8: world:fluid.kill_height: expected a finite number, got 'low'\n");
 }
 
+TEST_CASE("forces act on fluids: kinds, formulas, functions, stages, tags", "[lua][fluid]") {
+  CHECK(output_of(R"(
+    world:set_gravity(0, 0, 0)
+    local function drop(tags) -- the velocity that a step gives one
+      local d = world:fluid{ spacing = 0.1, tags = tags }
+      d:fill{ points = { {2, 0, 0} }, velocity = {0, 1, 0} }
+      return d
+    end
+    local function show(name, d, f)
+      world:step(1)
+      local v = d:velocities()
+      local function round(a) return math.floor(600 * a + 0.5) / 10 end
+      print(name, round(v[1]), round(v[2] - 1), round(v[3]))
+      f:destroy()
+      d:destroy()
+    end
+    for _, force in ipairs{
+      { kind = "gravity", acceleration = {3, 0, 0} },
+      { kind = "drag", linear = 2 },
+      { kind = "wind", velocity = {10, 1, 0} },
+      { kind = "attractor", strength = 8 },
+      { kind = "spring", stiffness = 4 },
+      { kind = "buoyancy", height = 9 },
+      { each = { "m*5", "0", "-m" } },
+      { each = "k*x", params = { k = 2 } },
+      { each = function(x, y, z, vx, vy, vz, m, t) return m * x, 0, m * vy end },
+      { each = function(x, y, z, vx, vy, vz, m, t) return m * x, 0, m * vy end, stages = true },
+    } do
+      local d = drop()
+      force.on = d
+      show(force.kind or type(force.each), d, world:force(force))
+    end
+    local d, dry = drop("wet"), drop()
+    local f = world:force{ on = "wet", each = "m" }
+    show("tag", d, f)
+    print(dry:velocities()[1])
+    print(select(2, pcall(world.force, world, { on = dry, points = {1}, kind = "gravity" })))
+  )") == "gravity\t3.0\t0.0\t0.0\ndrag\t0.0\t-2.0\t0.0\nwind\t0.6\t0.0\t0.0\nattractor\t-2.0\t0.0\t0.0\n"
+         "spring\t-8.0\t0.0\t0.0\nbuoyancy\t0.0\t9.8\t0.0\ntable\t5.0\t0.0\t-1.0\nstring\t4.0\t0.0\t0.0\n"
+         "function\t2.0\t0.0\t1.0\nfunction\t2.0\t0.0\t1.0\ntag\t1.0\t0.0\t0.0\n0.0\n"
+         "test.lua:36: world:force.points: expected on = a net, whose points these are\n");
+}
+
 TEST_CASE("velocities come from a function or a buffer", "[lua][fluid]") {
   CHECK(output_of(kWater + R"(
     water:fill{ box = { {0, 0, 0}, {0.2, 0.1, 0.1} } }

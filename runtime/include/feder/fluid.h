@@ -137,7 +137,9 @@ class Fluid final : public System {
   std::size_t particle_count(ObjectId fluid) const;
   void positions(ObjectId fluid, std::vector<Vec3>& out) const;
   void velocities(ObjectId fluid, std::vector<Vec3>& out) const;
-  void set_velocities(ObjectId fluid, std::span<const Vec3> v);       // one per particle
+  void set_velocities(ObjectId fluid, std::span<const Vec3> v);         // one per particle
+  void set_script_forces(ObjectId fluid, std::span<const Vec3> force);  // N, one per particle, until changed
+  void clear_script_forces();
   void densities(ObjectId fluid, std::vector<Real>& out);             // over the density at rest
   void pressures(ObjectId fluid, std::vector<Real>& out);             // Pa
   void density_error(ObjectId fluid, double& mean, double& largest);  // excess over the density at rest, as a share
