@@ -78,6 +78,19 @@ TEST_CASE("forces act on fluids: kinds, formulas, functions, stages, tags", "[lu
          "test.lua:36: world:force.points: expected on = a net, whose points these are\n");
 }
 
+TEST_CASE("fluid and a net tell of their contact", "[lua][fluid]") {
+  CHECK(output_of(kWater + R"(
+    world:set_gravity(0, 0, 0)
+    local net = world:net{ name = "net", points = { {0,0,0}, {1,0,0}, {1,0,1}, {0,0,1} }, faces = { {1,2,3,4} },
+      pins = {1,2,3,4} }
+    water:fill{ points = { {0.5, 0.3, 0.4} }, velocity = {0, -2, 0} }
+    world:on("contact_begin", function(e) print("begin", e.a:name(), e.b:name(), e.count, e.ny > 0.9) end)
+    net:on("hit", function(e) print("hit", e.other:name(), math.abs(e.speed - 2) < 0.01, e.impulse > 0) end)
+    world:on("contact_end", function(e) print("end", e.a:name(), e.b:name()) end)
+    world:step(30)
+  )") == "begin\tnet\twater\t1\ttrue\nhit\twater\ttrue\ttrue\nend\tnet\twater\n");
+}
+
 TEST_CASE("velocities come from a function or a buffer", "[lua][fluid]") {
   CHECK(output_of(kWater + R"(
     water:fill{ box = { {0, 0, 0}, {0.2, 0.1, 0.1} } }
