@@ -6,21 +6,10 @@
 namespace feder::lua {
 namespace {
 
-// {min, max} corners as a shape and its centre.
+// {min, max} as a shape and its centre.
 bool box_option(Options& o, ShapePtr& shape, Vec3& center) {
-  if (!o.push("box", LUA_TTABLE, "{ {x, y, z}, {x, y, z} }")) return false;
-  lua_State* L = o.L();
-  if (lua_rawlen(L, -1) != 2)
-    o.raise("box", "expected two corners { {x, y, z}, {x, y, z} }, got a table of " +
-                       std::to_string(lua_rawlen(L, -1)) + " values");
-  lua_rawgeti(L, -1, 1), lua_rawgeti(L, -2, 2);
-  const Vec3 lo = check_vector(L, -2, o.path("box") + "[1]", o.planar()),
-             hi = check_vector(L, -1, o.path("box") + "[2]", o.planar());
-  lua_pop(L, 3);
-  for (int k = 0; k < (o.planar() ? 2 : 3); ++k)
-    if (!(hi[k] > lo[k]))
-      o.raise("box", std::string("expected the second corner above the first, got ") + print_number(lo[k]) + " and " +
-                         print_number(hi[k]) + " along " + "xyz"[k]);
+  Vec3 lo, hi;
+  if (!box_corners(o, lo, hi)) return false;
   const Real depth = hi[2] > lo[2] ? hi[2] - lo[2] : Real(1);
   shape = make_box(hi[0] - lo[0], hi[1] - lo[1], depth);
   center = (lo + hi) * Real(0.5);
@@ -28,6 +17,23 @@ bool box_option(Options& o, ShapePtr& shape, Vec3& center) {
 }
 
 }  // namespace
+
+bool box_corners(Options& o, Vec3& lo, Vec3& hi) {
+  if (!o.push("box", LUA_TTABLE, "{ {x, y, z}, {x, y, z} }")) return false;
+  lua_State* L = o.L();
+  if (lua_rawlen(L, -1) != 2)
+    o.raise("box", "expected two corners { {x, y, z}, {x, y, z} }, got a table of " +
+                       std::to_string(lua_rawlen(L, -1)) + " values");
+  lua_rawgeti(L, -1, 1), lua_rawgeti(L, -2, 2);
+  lo = check_vector(L, -2, o.path("box") + "[1]", o.planar());
+  hi = check_vector(L, -1, o.path("box") + "[2]", o.planar());
+  lua_pop(L, 3);
+  for (int k = 0; k < (o.planar() ? 2 : 3); ++k)
+    if (!(hi[k] > lo[k]))
+      o.raise("box", std::string("expected the second corner above the first, got ") + print_number(lo[k]) + " and " +
+                         print_number(hi[k]) + " along " + "xyz"[k]);
+  return true;
+}
 
 bool has_volume(Options& o) { return o.has("box") || o.has("shape") || o.has("position") || o.has("rotation"); }
 

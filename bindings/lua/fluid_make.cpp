@@ -21,12 +21,21 @@ void read_kinematic(Options& o, const OptionRow& row, FluidReading& d) {
   d.viscosity = d.kinematic * d.density;
 }
 
+constexpr const char* kWallSlip = "none, free";
+
+void read_wall_slip(Options& o, const OptionRow& row, FluidReading& d) {
+  int index = 0;
+  if (o.choice(row.name, kWallSlip, index)) d.wall_slip = split_choices(kWallSlip)[static_cast<std::size_t>(index)];
+}
+std::string default_wall_slip(const FluidReading& d) { return print_value(d.wall_slip); }
+
 constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::name>("name"),
     field<&FluidDesc::spacing>("spacing", "m", kPositive),
     field<&FluidDesc::density>("density", "kg/m3", kPositive),
     field<&FluidDesc::viscosity>("viscosity", "Pa s", kNotNegative),
     {{.name = "kinematic_viscosity", .unit = "m2/s", .range = kNotNegative}, "number", read_kinematic},
+    {{.name = "wall_slip", .choices = kWallSlip}, "string", read_wall_slip, default_wall_slip},
     field<&FluidDesc::surface_tension>("surface_tension", "N/m", kNotNegative),
     field<&FluidDesc::solver>("solver").of(names_of<fluid_solvers>),
     field<&FluidDesc::kernel>("kernel").of(names_of<kernels>),
@@ -40,6 +49,7 @@ constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::tolerance>("tolerance", "%", {1e-6, 100}),
     field<&FluidDesc::max_substeps>("max_substeps", "", {1, 100000}),
     field<&FluidDesc::max_particles>("max_particles", "", {1, 134217728}),
+    field<&FluidDesc::kill_height>("kill_height", "m").unset(),
     field<&FluidDesc::group>("group", "", kBits),
     field<&FluidDesc::mask>("mask", "", kBits),
     later<FluidReading>("tags", kWordsType),
@@ -83,6 +93,12 @@ constexpr Option<Volume> kDrain[] = {
     later<Volume>("rotation", "rotation"), later<Volume>("tags", kWordsType),
 };
 
+void read_flux_box(Options& o, const OptionRow& row, FluidBox& box) {
+  if (!box_corners(o, box.lo, box.hi)) o.raise(row.name, "expected {min, max}, got nothing");
+}
+
+constexpr Option<FluidBox> kFlux[] = {box_row(read_flux_box)};
+
 constexpr Option<EmitterDesc> kEmitter[] = {
     field<&EmitterDesc::name>("name"),
     field<&EmitterDesc::position>("position", "m"),
@@ -98,6 +114,7 @@ constexpr Option<EmitterDesc> kEmitter[] = {
 
 std::vector<OptionInfo> fluid_rows() { return describe_rows(kFluid); }
 std::vector<OptionInfo> fill_rows() { return describe_rows(kFill); }
+std::vector<OptionInfo> flux_rows() { return describe_rows(kFlux); }
 std::vector<OptionInfo> emitter_rows() { return describe_rows(kEmitter); }
 std::vector<OptionInfo> drain_rows() { return describe_rows(kDrain); }
 
@@ -117,6 +134,13 @@ std::size_t fluid_fill(const Object<Fluid>& f, lua_State* L) {
   const std::size_t made = f.system.fill(f.id, *v.shape, v.pose, v.velocity);
   charge(L, made);
   return made;
+}
+
+FluidBox fluid_box(const Object<Fluid>& f, lua_State* L) {
+  Options o(L, 2, function_name(L), f.record.planar());
+  FluidBox box;
+  o.read(kFlux, box);
+  return box;
 }
 
 ObjectId fluid_emitter(const Object<Fluid>& f, lua_State* L) {

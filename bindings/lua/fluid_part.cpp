@@ -55,6 +55,40 @@ std::array<double, 2> fluid_density_error(const Liquid& f) {
 
 double fluid_pressure_at(const Liquid& f, const Vec3& point) { return asked(f).pressure_at(f.id, point); }
 
+void set_vector(lua_State* L, const char* key, const auto& v) {
+  push_list(L, std::array{v[0], v[1], v[2]}, [&](auto x) { push(L, x); });
+  lua_setfield(L, -2, key);
+}
+
+int fluid_sample(lua_State* L) {
+  const Liquid f(L);
+  const FluidSample s = asked(f).sample(f.id, vector_argument(L, 2, f.record.planar()));
+  lua_newtable(L);
+  set_field(L, "density", s.density), set_field(L, "pressure", s.pressure);
+  set_vector(L, "velocity", s.velocity);
+  set_vector(L, "density_gradient", s.density_gradient), set_vector(L, "pressure_gradient", s.pressure_gradient);
+  push_list(L, std::array{0, 1, 2}, [&](int row) {
+    push_list(L, std::array{0, 1, 2}, [&](int column) { push(L, s.velocity_gradient(row, column)); });
+  });
+  lua_setfield(L, -2, "velocity_gradient");
+  return 1;
+}
+
+int fluid_flux(lua_State* L) {
+  const Liquid f(L);
+  const FluidBox box = fluid_box(f, L);
+  const FluidFlux flux = f.system.flux(f.id, box.lo, box.hi);
+  const double mass = flux.mass > 0 ? flux.mass : 1;  // without any the momentum is zero
+  lua_newtable(L);
+  set_field(L, "mass", flux.mass);
+  set_vector(L, "momentum", flux.momentum);
+  set_vector(L, "velocity", std::array{flux.momentum[0] / mass, flux.momentum[1] / mass, flux.momentum[2] / mass});
+  set_field(L, "x", flux.rate[0]), set_field(L, "y", flux.rate[1]), set_field(L, "z", flux.rate[2]);
+  return 1;
+}
+
+double fluid_clumping(const Liquid& f) { return f.system.clumping(f.id); }
+
 int fluid_height_at(lua_State* L) {
   const Liquid f(L);
   const Real x = static_cast<Real>(check_number(L, 2, std::string(function_name(L)) + ": x"));
@@ -114,6 +148,16 @@ const Method kFluidMethods[] = {
      "excess over the density at rest, as a share of it"},
     {"pressure_at", method<fluid_pressure_at>, "fluid:pressure_at(x, y, z) -> number",
      "mean of the particles near, Pa"},
+    {"clumping", method<fluid_clumping>, "fluid:clumping() -> number",
+     "share of the pairs of neighbours that are closer than half a spacing"},
+    {"sample", guard<fluid_sample>, "fluid:sample(x, y, z) -> table",
+     "density = sum of m W over the share of the kernel W that walls leave free; velocity, pressure = sum of A W over "
+     "sum of W (Shepard 1968); density_gradient, velocity_gradient (rows: components), pressure_gradient, exact for "
+     "linear fields (Randles and Libersky 1996); zeros where no particle is near"},
+    {"flux", guard<fluid_flux>, "fluid:flux{ box = {min, max} } -> table",
+     "mass (kg), momentum and mean velocity of what is in the box; x, y, z: kg/s that flow through it along the axis, "
+     "momentum over extent",
+     flux_rows},
     {"height_at", guard<fluid_height_at>, "fluid:height_at(x, z) -> y", "of the free surface, or nil"},
     {"surface", guard<fluid_surface>, "fluid:surface([buffer]) -> buffer, count", "particles at the surface"},
     {"mass", method<fluid_mass>, "fluid:mass() -> number, number", "of all, and of one particle, kg"},
@@ -135,6 +179,29 @@ const Method kDrainMethods[] = {
     {"count", method<&Fluid::passed>, "drain:count() -> integer", "particles taken so far"},
     {"fluid", method<&Fluid::fluid_of>, "drain:fluid() -> fluid", "what it empties"},
 };
+
+// A function may destroy or fill what it is asked about: particles that are new then feel nothing yet.
+void fluid_forces(ForceRun& run) {
+  World& world = *run.record().world;
+  Fluid* system = world.find<Fluid>();
+  if (!system) return;
+  system->clear_script_forces();
+  const Objects& objects = world.objects();
+  std::vector<ObjectId> all;
+  objects.for_each(kFluidKind, [&](ObjectId id) { all.push_back(id); });
+  std::vector<Vec3> x, v, force;
+  for (const ObjectId id : all) {
+    if (!objects.alive(id) || !run.any(id)) continue;
+    system->positions(id, x), system->velocities(id, v);
+    const Real mass = system->particle_mass(id);
+    force.clear();
+    for (std::size_t i = 0; i < x.size() && objects.alive(id); ++i)
+      force.push_back(run.sum(id, static_cast<std::uint32_t>(i), x[i], v[i], mass));
+    if (!objects.alive(id)) continue;
+    force.resize(system->particle_count(id), Vec3::Zero());
+    system->set_script_forces(id, force);
+  }
+}
 
 std::vector<ObjectId> destroy_fluid(WorldRecord& record, ObjectId id, const std::string& where) {
   Fluid& fluid = record.world->need<Fluid>();
@@ -191,10 +258,19 @@ const YamlList kYaml[] = {{"fluids", make_fluid, "fluid", source_rows}};
 
 const Part& fluid_part() {
   static const ObjectClass classes[] = {
-      {.name = "fluid", .methods = kFluidMethods, .destroy = &destroy_fluid, .contact_field = "count"},
+      {.name = "fluid",
+       .methods = kFluidMethods,
+       .destroy = &destroy_fluid,
+       .contact_field = "count",
+       .takes_forces = true},
       {.name = "emitter", .methods = kEmitterMethods, .destroy = destroy_alone<&Fluid::destroy_emitter>},
       {.name = "drain", .methods = kDrainMethods, .destroy = destroy_alone<&Fluid::destroy_drain>}};
-  static const Part part = {.name = "fluid", .world = kWorld, .classes = classes, .yaml = kYaml};
+  static const Part part = {.name = "fluid",
+                            .world = kWorld,
+                            .classes = classes,
+                            .yaml = kYaml,
+                            .apply_forces = &fluid_forces,
+                            .clear_forces = &clear_script_forces<Fluid>};
   return part;
 }
 

@@ -222,7 +222,7 @@ void FluidCloth::read_back(StepContext& c) {
   };
   faces_.follow(fluid_, now);
   faces_.project(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) { project_out(k, hit, c); });
-  for (ContactState& t : contact_states_) t.count = std::max(t.count, t.now), t.now = 0, t.last = kNone;
+  contact_states_.end_substep();
 }
 
 // Projection of a particle that passed a face, or is too near to it: back to where it met the face, and the closing
@@ -264,46 +264,12 @@ void FluidCloth::finish(StepContext& c) {
     const Real on = std::max(p.along, Real(0)) / (g * c.dt);
     cloth_.set_load(n, std::min(cloth_.load(n) + on, Cloth::kMaxLoad * own));
   }
-  report();
+  contact_states_.report(contacts_, finder_, objects_);
 }
 
-// Adds an impulse to the contact state. Contacts come in the order of pools and particles.
 void FluidCloth::record(const FaceContact& k, Real impulse, Real speed, const Vec3& normal) {
-  const ObjectId cloth = faces_.surfaces[k.surface].object, fluid = fluid_of(k.pool);
-  FEDER_ASSERT(!(impulse < 0 || speed < 0));
-  std::size_t at = 0;
-  while (at < contact_states_.size() && (contact_states_[at].cloth != cloth || contact_states_[at].fluid != fluid))
-    ++at;
-  if (at == contact_states_.size()) {
-    ContactState fresh;
-    fresh.cloth = cloth, fresh.fluid = fluid;
-    at = 0;
-    while (at < contact_states_.size() &&
-           (contact_states_[at].cloth != cloth ? contact_states_[at].cloth < cloth : contact_states_[at].fluid < fluid))
-      ++at;
-    contact_states_.insert(contact_states_.begin() + static_cast<std::ptrdiff_t>(at), fresh);
-  }
-  ContactState& t = contact_states_[at];
-  if (t.last != k.particle) t.last = k.particle, ++t.now;
-  t.impulse += impulse;
-  t.speed = std::max(t.speed, speed);
-  if (!(impulse > t.strongest)) return;
-  t.strongest = impulse, t.normal = normal;
-  t.point = fluid_.pool_at(k.pool).x[k.particle].vec();
-}
-
-// A fluid is in contact with a cloth from its first particle that pushes to its last; the event has their number.
-void FluidCloth::report() {
-  for (const ContactState& t : contact_states_) {
-    FEDER_ASSERT(objects_.alive(t.cloth) && objects_.alive(t.fluid) && t.now == 0 && t.count > 0);
-    ContactFinding n;
-    n.key = {t.cloth, t.fluid};
-    n.index = t.count, n.number = 1;
-    n.point = t.point, n.normal = t.normal;
-    n.speed = t.speed, n.impulse = t.impulse;
-    contacts_.see(finder_, n);
-  }
-  contact_states_.clear();
+  contact_states_.record(faces_.surfaces[k.surface].object, fluid_of(k.pool), k.particle,
+                         fluid_.pool_at(k.pool).x[k.particle].vec(), impulse, speed, normal);
 }
 
 void FluidCloth::residuals(std::vector<Residual>& out) const {

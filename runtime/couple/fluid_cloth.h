@@ -1,5 +1,6 @@
 // Fluids and cloth in one world: two-way contact between particles and the triangles of sheets.
 #pragma once
+#include "couple/face_contact_states.h"
 #include "couple/fluid_faces.h"
 #include "feder/cloth.h"
 #include "feder/system.h"
@@ -30,16 +31,6 @@ class FluidCloth final : public System {
     Real along = 0;  // impulse along gravity, N s
     Real all = 0;    // sum of the magnitudes of the impulses, N s
   };
-  // Contact of a cloth and a fluid in this step.
-  struct ContactState {
-    ObjectId cloth, fluid;
-    std::uint32_t count = 0;                           // largest number of particles in contact in a substep
-    std::uint32_t now = 0, last = kNone;               // the same in this substep; the particle counted last
-    Real impulse = 0;                                  // N s
-    Real speed = 0;                                    // closing, the largest, m/s
-    Real strongest = 0;                                // N s
-    Vec3 point = Vec3::Zero(), normal = Vec3::Zero();  // of the strongest push, from the cloth to the fluid
-  };
   // A fluid particle in contact, as a solver body for the surface substeps of a substep.
   struct ParticleBody {
     std::uint32_t pool = 0, particle = 0, solver_index = 0;
@@ -61,7 +52,6 @@ class FluidCloth final : public System {
   void project_out(const FaceContact& k, const FaceHit& hit, StepContext& c);
   ObjectId fluid_of(std::uint32_t pool) const;
   void record(const FaceContact& k, Real impulse, Real speed, const Vec3& normal);
-  void report();
 
   Arena& arena_;
   Fluid& fluid_;
@@ -73,13 +63,13 @@ class FluidCloth final : public System {
   const std::uint32_t finder_;
   FluidFaces faces_;
   Array<ParticleBody> particle_bodies_{&arena_};
-  Array<std::uint32_t> next_row_{&arena_};       // by group of cloths
-  Array<Pressed> pressed_{&arena_};              // by cloth
-  Array<ContactState> contact_states_{&arena_};  // in the order of the objects
-  std::uint32_t own_bodies_ = 0;                 // number of solver bodies without those of particles
-  double mismatch_ = 0, given_ = 0;              // N s, of the last step
-  double force_ = 0;                             // N, of the last step, along gravity
-  std::uint64_t projected_ = 0;                  // corrections of the last step
+  Array<std::uint32_t> next_row_{&arena_};  // by group of cloths
+  Array<Pressed> pressed_{&arena_};         // by cloth
+  FaceContactStates contact_states_{arena_};
+  std::uint32_t own_bodies_ = 0;     // number of solver bodies without those of particles
+  double mismatch_ = 0, given_ = 0;  // N s, of the last step
+  double force_ = 0;                 // N, of the last step, along gravity
+  std::uint64_t projected_ = 0;      // corrections of the last step
 };
 
 }  // namespace feder

@@ -138,6 +138,8 @@ void FluidRigid::place_for_queries(StepContext&) {
 
 void FluidRigid::set_boundary(StepContext&) {
   place_boundary(false);
+  for (std::size_t n = 0; n < fluid_.pool_count(); ++n)
+    for (double& p : fluid_.pool_at(n).pushed) p = 0;
   if (boundary_.weighed) weigh_fluids(before_);
 }
 
@@ -177,7 +179,7 @@ void FluidRigid::compare_impulses(const Vec3& gravity_seconds) {
     const FluidPool& p = fluid_.pool_at(n);
     if (p.frozen) continue;
     const double weight = static_cast<double>(p.desc.gravity_scale) * p.mass * p.count;
-    for (int k = 0; k < 3; ++k) gained[k] -= weight * static_cast<double>(gravity_seconds[k]);
+    for (int k = 0; k < 3; ++k) gained[k] -= weight * static_cast<double>(gravity_seconds[k]) + p.pushed[k];
   }
   double off = 0;
   for (int k = 0; k < 3; ++k) {

@@ -35,8 +35,8 @@ class FluidRigid final : public System {
   void list_boundary();                       // all colliders of bodies that fluids may meet
   void place_boundary(bool between_steps);    // poses and velocities as the solver bodies have them
   void weigh_fluids(double (&sum)[3]) const;  // kg m/s of all particles
-  // Momentum that the fluids lost since `before_`, without that of gravity over g h m/s, against what the bodies
-  // gained.
+  // Momentum that the fluids lost since `before_`, without that of gravity over g h m/s and of forces, against what
+  // the bodies gained.
   void compare_impulses(const Vec3& gravity_seconds);
 
   // Passes.

@@ -24,7 +24,8 @@ const SystemDescriptor& FluidSprings::descriptor() {
 
 FluidSprings::FluidSprings(SystemSetup& s)
     : fluid_(system_of<Fluid>(s)), springs_(system_of<Springs>(s)), points_(s.store.need<Particles>(Springs::kName)),
-      faces_(s.store.arena(kName)) {}
+      objects_(s.objects), contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)),
+      faces_(s.store.arena(kName)), contact_states_(s.store.arena(kName)), pushes_(&s.store.arena(kName)) {}
 
 std::size_t FluidSprings::count() const {
   std::size_t sum = 0;
@@ -34,10 +35,12 @@ std::size_t FluidSprings::count() const {
 
 void FluidSprings::add_passes(StepPlan& plan) {
   if (fluid_.pool_count() == 0 || count() == 0) return;
+  contacts_.use();
   using F = FluidSprings;
   plan.add<&F::remember>(Rank::net_faces, "remember points", kName, this);
   plan.add<&F::begin>(Rank::face_screen, "screen by faces", kName, this);
   plan.add<&F::solve>(Rank::net_contact, "particles on faces", kName, this);
+  plan.add<&F::report>(Rank::fluid_events, "contacts", kName, this);
 }
 
 void FluidSprings::list_surfaces() {
@@ -54,6 +57,7 @@ void FluidSprings::list_surfaces() {
 void FluidSprings::remember(StepContext& c) {
   if (c.substep == 0) {
     list_surfaces();
+    contact_states_.clear();
     mismatch_ = given_ = 0;
     projected_ = 0;
   }
@@ -67,19 +71,33 @@ void FluidSprings::solve(StepContext&) {
   faces_.end.assign(points_.position.begin(), points_.position.end());
   faces_.find(fluid_);
   if (faces_.contacts.empty()) return;
+  pushes_.assign(faces_.contacts.size(), Push{});
   for (int round = 0; round < kRounds; ++round)
-    for (const FaceContact& k : faces_.contacts) push_apart(k);
+    for (std::size_t n = 0; n < faces_.contacts.size(); ++n) push_apart(faces_.contacts[n], pushes_[n]);
+  for (std::size_t n = 0; n < faces_.contacts.size(); ++n) record(faces_.contacts[n], pushes_[n]);
   const auto now = [&](std::uint32_t i) { return points_.position[i]; };
   faces_.follow(fluid_, now);
   faces_.project(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) {
     ++projected_;
     fluid_.pool_at(k.pool).x[k.particle].set(hit.position);
-    exchange(k, hit.weight, hit.normal);
+    Push push;
+    exchange(k, hit.weight, hit.normal, push);
+    record(k, push);
   });
+  contact_states_.end_substep();
 }
 
+void FluidSprings::record(const FaceContact& k, const Push& total) {
+  if (!(total.impulse > 0)) return;
+  const FluidPool& p = fluid_.pool_at(k.pool);
+  contact_states_.record(faces_.surfaces[k.surface].object, p.object, k.particle, p.x[k.particle].vec(), total.impulse,
+                         total.speed, total.normal);
+}
+
+void FluidSprings::report(StepContext&) { contact_states_.report(contacts_, finder_, objects_); }
+
 // Along the present line from the face's nearest point to the particle, so that no torque is left.
-void FluidSprings::push_apart(const FaceContact& k) {
+void FluidSprings::push_apart(const FaceContact& k, Push& total) {
   FluidPool& p = fluid_.pool_at(k.pool);
   Vec3 q = Vec3::Zero();
   Real response = 1 / p.mass;
@@ -92,7 +110,7 @@ void FluidSprings::push_apart(const FaceContact& k) {
   if (dot(n, k.normal) < Real(0.5)) n = k.normal;  // it passed, or lies far beside the face
   const Real gap = dot(n, apart) - k.rest;
   if (!(gap < 0)) return;
-  exchange(k, k.weight, n);
+  exchange(k, k.weight, n, total);
   // overlap from before the substep is undone slowly
   const Real older = std::max(k.rest - k.distance, Real(0));
   const Real need = std::max(-gap - older, Real(0)) + std::min({older, -gap, kPush * p.desc.spacing});
@@ -106,7 +124,7 @@ void FluidSprings::push_apart(const FaceContact& k) {
 }
 
 // The closing velocity becomes zero, by an impulse on both sides.
-void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const Vec3& n) {
+void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const Vec3& n, Push& total) {
   FluidPool& p = fluid_.pool_at(k.pool);
   Vec3 u = p.v[k.particle].vec();
   Real response = 1 / p.mass;
@@ -141,6 +159,8 @@ void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const
   for (int j = 0; j < 3; ++j)
     mismatch_ = std::max(mismatch_, std::abs(after[j] - before[j] - static_cast<double>(held[j])));
   given_ += static_cast<double>(length(impulse));
+  total.impulse += length(impulse), total.normal = n;
+  total.speed = std::max(total.speed, closing);
 }
 
 void FluidSprings::residuals(std::vector<Residual>& out) const {
@@ -151,6 +171,7 @@ void FluidSprings::residuals(std::vector<Residual>& out) const {
 
 void FluidSprings::validate() const {
   if (fluid_.pool_count() == 0 || count() == 0) return;  // the lists are of an earlier step
+  FEDER_ASSERT(contact_states_.empty());                 // reported
   faces_.validate();
   for (const FaceSurface& s : faces_.surfaces) FEDER_ASSERT(s.first < points_.size() && s.index < springs_.net_count());
 }

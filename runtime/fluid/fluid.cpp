@@ -18,6 +18,8 @@ void check_desc(const FluidDesc& d) {
   need(d.spacing > 0 && is_finite(d.spacing), "spacing", "a finite number above 0", d.spacing);
   need(d.density > 0 && is_finite(d.density), "density", "a finite number above 0", d.density);
   need(d.viscosity >= 0 && is_finite(d.viscosity), "viscosity", "a finite number, 0 or more", d.viscosity);
+  if (d.wall_slip != "none" && d.wall_slip != "free")
+    throw SceneError("fluid: wall_slip: expected \"none\" or \"free\", got \"" + d.wall_slip + "\"");
   need(d.surface_tension >= 0 && is_finite(d.surface_tension), "surface_tension", "a finite number, 0 or more",
        d.surface_tension);
   need(d.support == 0 || (d.support >= Real(1.2) && d.support <= 4), "support", "1.2 to 4 spacings", d.support);
@@ -31,13 +33,15 @@ void check_desc(const FluidDesc& d) {
   need(d.max_particles >= 1 && d.max_particles <= (1u << 27), "max_particles", "1 to 134217728",
        static_cast<double>(d.max_particles));
   need(is_finite(d.gravity_scale), "gravity_scale", "a finite number", d.gravity_scale);
+  need(d.kill_height < kInfinity, "kill_height", "a height, or minus infinity for none", d.kill_height);
 }
 
 }  // namespace
 
 Fluid::Impl::Impl(SystemSetup& s)
-    : arena(s.store.arena(kName)), objects(s.objects), commands(s.commands), watched(s.store.need<Watch>("watch")),
-      boundary(s.store.need<Boundary>(kName)), dimension(s.dimension), structure_changed(s.structure_changed) {}
+    : arena(s.store.arena(kName)), store(s.store), objects(s.objects), commands(s.commands),
+      watched(s.store.need<Watch>("watch")), boundary(s.store.need<Boundary>(kName)), dimension(s.dimension),
+      structure_changed(s.structure_changed) {}
 
 const SystemDescriptor& Fluid::descriptor() {
   static constexpr ObjectKind kinds[] = {kFluidKind, kEmitterKind, kDrainKind};
@@ -87,10 +91,17 @@ void Fluid::add_passes(StepPlan& plan) {
   for (const auto& p : m->pools) fresh = fresh || p->fresh;
   if (fresh) plan.add<&Impl::relax>(Rank::fluid_settle, "make room", kName, m);
   plan.add<&Impl::make_groups>(before(Rank::fluid_choose), "groups", kName, m);
+  if (m->has_forces()) {
+    if (m->has_wind()) plan.add<&Impl::find_surfaces>(before(Rank::fluid_choose), "surfaces", kName, m);
+    plan.add<&Impl::apply_forces>(before(Rank::fluid_predict), "forces", kName, m);
+  }
   for (auto& s : m->solvers)
     if (s && !s->pools.empty()) s->add_passes(plan);
   plan.add<&Impl::project>(Rank::boundary_project, "non-penetration", kName, m);
   if (!m->drains.empty()) plan.add<&Impl::drain>(Rank::fluid_drain, "drain", kName, m);
+  const bool kills =
+      std::any_of(m->pools.begin(), m->pools.end(), [](const auto& p) { return p->desc.kill_height > -kInfinity; });
+  if (kills) plan.add<&Impl::kill>(Rank::fluid_drain, "kill height", kName, m);
   plan.add<&Impl::check>(Rank::check, "check fluids", kName, m);
 }
 

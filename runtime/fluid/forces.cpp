@@ -1,6 +1,7 @@
 // Viscosity and surface tension, applied to velocities.
 // Viscosity: the Laplacian of the velocity as a sum over pairs (Monaghan & Gingold 1983; Monaghan 2005), the boundary
-// by the integral of the same term over the solid with the velocity continued oddly through its face (Morris 1997).
+// by the integral of the same term over the solid with the velocity continued oddly through its face (Morris 1997), or
+// not at all: free slip, no tangential stress at the wall.
 // Tension: neighbours attract each other, strongest at half the support (Akinci, Akinci & Teschner 2013), with the
 // strength that gives a sharp surface the wanted tension (Kirkwood & Buff 1949, pool.cpp): sigma is in N/m. Forces
 // along the lines of pairs, so all momentum is kept. It must not have the shape of the kernel: where the density is
@@ -39,6 +40,7 @@ void viscous_round(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
   });
   for (std::uint32_t i = 0; i < p.count; ++i) p.v[i].set(p.v[i].vec() + p.extra[i].vec());
   // at the boundary, implicit in each contact
+  if (p.slips) return;
   for (std::uint32_t i = 0; i < p.count; ++i)
     for (const BoundaryContact& k : p.contacts_of(i)) {
       const Real s = k.distance(p.x[i].vec()) / p.support;

@@ -60,6 +60,8 @@ void Fluid::Impl::join_pools(const std::vector<FluidPool*>& members, StepContext
 void Fluid::Impl::make_groups(StepContext& c) {
   std::vector<int>& counts = c.counts(Loop::fluid).count;
   counts.clear();
+  if (c.substep == 0)
+    for (auto& p : pools) p->worked = 0;
   for (auto& s : solvers) {
     if (!s) continue;
     const std::vector<FluidPool*>& members = s->pools;

@@ -46,6 +46,7 @@ struct Fluid::Impl {
   explicit Impl(SystemSetup& setup);
 
   Arena& arena;
+  const Store& store;
   Objects& objects;
   CommandLog& commands;
   Watch& watched;
@@ -96,6 +97,10 @@ struct Fluid::Impl {
   static std::uint64_t site_count(const FluidEmitter& e, const FluidPool& p);
   double full_rate(const FluidEmitter& e, const FluidPool& p) const;
 
+  // Removes the particles at positions x for which gone(x), and says how many. step.cpp
+  template <class F>
+  std::uint32_t take_out(FluidPool& p, F&& gone);
+
   // Passes.
   void make_groups(StepContext& c);
   void join_pools(const std::vector<FluidPool*>& members, StepContext& c);
@@ -103,12 +108,28 @@ struct Fluid::Impl {
   void relax(StepContext& c);
   void project(StepContext& c);
   void drain(StepContext& c);
+  void kill(StepContext& c);
   void check(StepContext& c);
+  // external_forces.cpp: the world's forces and those of scripts.
+  bool has_forces() const;
+  bool has_wind();  // and makes room for the surfaces that it acts on
+  void find_surfaces(StepContext& c);
+  void apply_forces(StepContext& c);
+  template <class F>
+  void each_force(const FluidPool& p, F&& f) const;  // calls f(entry) for the generators that act on the pool
+  double potential(const FluidPool& p) const;        // of them, J
   // watch.cpp
   void watch(FluidPool& p, double square, StepContext& c);  // square: sum of the squared speeds, m^2/s^2
   void suspect(const FluidPool& p);
   void run_emitter(FluidEmitter& e, StepContext& c);
 
+  struct PairCount {
+    std::uint64_t close = 0, all = 0;  // closer than half a spacing; within the support
+    double share() const { return all > 0 ? static_cast<double>(close) / static_cast<double>(all) : 0; }
+  };
+  // sample.cpp, for queries: finds the lists at the present positions.
+  PairCount pairs_of(FluidPool& p);
+  void refresh_near(FluidPool& p, const Vec3& at, const std::vector<std::uint32_t>& wanted);
   void refresh(FluidPool& p);  // lists, contacts and density ratios at the present positions, for queries
   std::vector<std::uint32_t> by_id(const FluidPool& p) const;
   // value(i) of each particle, in the order of making.

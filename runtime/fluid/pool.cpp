@@ -50,6 +50,7 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(
   FEDER_ASSERT(lattice.whole > 0 && lattice.squares > 0 && lattice.viscosity > 0);
   viscous_scale = static_cast<Real>(std::pow(lattice.viscosity, -0.85));
   find_cohesion();
+  slips = desc.wall_slip == "free";
   clearance = Real(0.1) * desc.spacing;
   table = std::make_unique<BoundaryTable>(*kernel, dim, in_spacings);
   search = find_variant(neighbor_searches(), desc.neighbors, "neighbor search").make(a, Params());
@@ -85,7 +86,7 @@ void FluidPool::grow(std::uint32_t wanted) {
   for (auto* array : {&x, &v, &start, &move, &extra, &swap4}) array->resize(room + 1);
   for (auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &next_weight, &swap1}) array->resize(room);
   for (auto* array : {&id, &order, &swap_id}) array->resize(room);
-  for (auto* array : {&origin, &listed_at})
+  for (auto* array : {&origin, &listed_at, &script_force, &surface})
     if (!array->empty()) array->resize(room + 1);
   for (auto* array : {&residual, &allowed, &air, &shifts})
     if (!array->empty()) array->resize(room + 1);
@@ -102,6 +103,10 @@ void FluidPool::keep_origins() {
 
 void FluidPool::keep_listed() {
   if (listed_at.empty()) listed_at.resize(x.size());
+}
+
+void FluidPool::keep_script_forces() {
+  if (script_force.empty()) script_force.resize(x.size());
 }
 
 void FluidPool::keep_solved() {
@@ -127,6 +132,7 @@ void FluidPool::add(const Vec3& position, const Vec3& velocity) {
   lambda[i] = 0;
   ratio[i] = 1;
   screen[i] = 0;
+  if (!script_force.empty()) script_force[i] = {};
   if constexpr (kAsserts) ids_there += id_key(next_id);
   id[i] = next_id++;
   put_sentinel();
@@ -142,6 +148,7 @@ void FluidPool::remove_marked(const Array<std::uint8_t>& marked) {
     }
     x[kept] = x[i], v[kept] = v[i], start[kept] = start[i], lambda[kept] = lambda[i], ratio[kept] = ratio[i],
     screen[kept] = screen[i], id[kept] = id[i];
+    if (!script_force.empty()) script_force[kept] = script_force[i];
     ++kept;
   }
   count = kept;
@@ -159,7 +166,8 @@ void FluidPool::sort_by_cell(Real skin) {
   };
   for (auto* array : {&x, &v, &start}) reorder(*array, swap4);
   for (auto* array : {&lambda, &ratio, &screen}) reorder(*array, swap1);
-  if (!origin.empty()) reorder(origin, swap4);
+  for (auto* array : {&origin, &script_force, &surface})
+    if (!array->empty()) reorder(*array, swap4);
   reorder(id, swap_id);
   if constexpr (kAsserts) validate_order();
 }

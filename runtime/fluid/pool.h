@@ -34,6 +34,7 @@ struct FluidPool {
   Real viscous_scale;  // correction of viscosity, see pool.cpp
   Real cohesion;       // largest force between two particles that gives the surface tension, N
   Real inward;         // pressure inside that balances it, Pa
+  bool slips;          // no friction at the boundary
   Real clearance;      // least distance of a particle from the boundary, m
   const Kernel* kernel;
   const Sweeps* sweeps;
@@ -67,6 +68,12 @@ struct FluidPool {
   // For the watchdog; `kinetic` includes particles added since.
   double kinetic = 0, kinetic_before = 0;  // J: at the end of the last step, at the start of the step
   double crowded = 0;                      // s, for which new particles may still be closer than at rest
+
+  // Of external_forces.cpp. Forces of scripts, N, empty until there are any; surface that wind acts on: its area times
+  // its normal outwards, m^2, and in w the section of a particle alone, empty without wind.
+  Array<Row4> script_force{&arena}, surface{&arena};
+  double pushed[3] = {0, 0, 0};  // momentum by forces since a coupling set it to zero, kg m/s
+  double worked = 0;             // kinetic energy that forces added in this step, J
 
   // Set by couplings with thin things (sheets, nets), see couple/fluid_faces.h.
   Array<Real> screen{&arena};  // their term of density over density at rest
@@ -102,6 +109,7 @@ struct FluidPool {
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
   void grow(std::uint32_t wanted);                        // outside steps; all arrays by particle
   void keep_origins();                                    // origin is kept from now on, and grows with the others
+  void keep_script_forces();                              // likewise script_force
   void keep_solved();                                     // likewise what dfsph needs
   void keep_listed();                                     // likewise listed_at
   void add(const Vec3& position, const Vec3& velocity);   // below capacity()

@@ -62,21 +62,6 @@ void Fluid::density_error(ObjectId id, double& mean, double& largest) {
   if (!ratios.empty()) mean /= static_cast<double>(ratios.size());
 }
 
-double Fluid::pressure_at(ObjectId id, const Vec3& point) {
-  FluidPool& p = impl_->pool(id);
-  impl_->refresh(p);
-  const FluidSolver& s = impl_->solver_of(p);
-  double weights = 0, sum = 0;
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    const double u = static_cast<double>(length(Vec3(p.x[i].vec() - point))) / static_cast<double>(p.support);
-    if (u >= 1) continue;
-    const double w = p.kernel->density.value(p.dimension, u);
-    weights += w;
-    sum += w * static_cast<double>(s.pressure(p, i));
-  }
-  return weights > 0 ? sum / weights : 0;
-}
-
 // The smoothed fluid, over the share of the kernel that the boundary leaves free, crosses one half at the surface. It
 // is searched downwards, within a spacing of each particle of the column only: gaps cost nothing, and far from the
 // origin no step is lost to rounding.

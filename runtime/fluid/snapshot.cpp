@@ -20,6 +20,7 @@ void Fluid::hash(Hash& h) const {
     for (std::uint32_t i = 0; i < p->count; ++i) {
       h.add(p->id[i]);
       h.add(p->x[i].vec()), h.add(p->v[i].vec()), h.add(p->lambda[i]);
+      if (!p->script_force.empty()) h.add(p->script_force[i].vec());
     }
   }
   for (const FluidEmitter& e : impl_->emitters) h.add(e.made), h.add(e.clock), h.add(e.running);
@@ -33,6 +34,8 @@ void Fluid::save(Writer& w) const {
     each_state(*p, [&](const auto& x) { w.add(x); });
     for (std::uint32_t i = 0; i < p->count; ++i)
       w.add(p->x[i]), w.add(p->v[i]), w.add(p->lambda[i]), w.add(p->ratio[i]), w.add(p->id[i]);
+    w.add(!p->script_force.empty());
+    for (std::uint32_t i = 0; i < p->count && !p->script_force.empty(); ++i) w.add(p->script_force[i]);
   }
   w.list(impl_->emitters), w.list(impl_->drains);
   w.add(impl_->lost);
@@ -53,6 +56,10 @@ void Fluid::load(Reader& r) {
     p->count = count;
     for (std::uint32_t i = 0; i < count; ++i)
       r.get(p->x[i]), r.get(p->v[i]), r.get(p->lambda[i]), r.get(p->ratio[i]), r.get(p->id[i]);
+    if (r.get<bool>()) {
+      p->keep_script_forces();
+      for (std::uint32_t i = 0; i < count; ++i) r.get(p->script_force[i]);
+    }
     p->put_sentinel();
     if constexpr (kAsserts) p->ids_there = p->id_sum();
     p->kinetic = p->kinetic_energy();

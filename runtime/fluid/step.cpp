@@ -12,22 +12,38 @@ void Fluid::Impl::project(StepContext&) {
     if (p->count > 0 && !p->frozen) p->project_out(boundary);
 }
 
+template <class F>
+std::uint32_t Fluid::Impl::take_out(FluidPool& p, F&& gone) {
+  marked.assign(p.count, 0);
+  std::uint32_t taken = 0;
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    marked[i] = gone(p.x[i].vec());
+    taken += marked[i];
+  }
+  if (taken == 0) return 0;
+  p.remove_marked(marked);
+  FEDER_ASSERT(p.count + taken == marked.size());
+  p.contact_first[p.count] = 0;
+  return taken;
+}
+
+void Fluid::Impl::kill(StepContext&) {
+  for (auto& p : pools) {
+    const Real height = p->desc.kill_height;
+    if (height > -kInfinity) take_out(*p, [&](const Vec3& x) { return x[1] < height; });
+  }
+}
+
 void Fluid::Impl::drain(StepContext& c) {
   for (FluidDrain& d : drains) {
     FluidPool& p = pool(d.fluid);
     FEDER_ASSERT(d.shape < shapes.size() && shapes[d.shape]);
     const Shape& shape = *shapes[d.shape];
-    marked.assign(p.count, 0);
-    std::uint32_t taken = 0;
-    for (std::uint32_t i = 0; i < p.count; ++i) {
+    const std::uint32_t taken = take_out(p, [&](const Vec3& x) {
       Vec3 n;
-      marked[i] = shape.distance(to_local(d.pose, p.x[i].vec()), p.desc.spacing, n) < 0;
-      taken += marked[i];
-    }
+      return shape.distance(to_local(d.pose, x), p.desc.spacing, n) < 0;
+    });
     if (taken == 0) continue;
-    p.remove_marked(marked);
-    FEDER_ASSERT(p.count + taken == marked.size());
-    p.contact_first[p.count] = 0;
     d.taken += taken;
     c.events->add({.kind = kDrained, .a = d.object, .b = d.fluid, .index = taken});
   }
@@ -68,6 +84,7 @@ Energy Fluid::energy(const Vec3& gravity) const {
   Energy sum;
   for (const auto& p : impl_->pools) {
     const double m = p->mass, g = p->desc.gravity_scale;
+    sum.potential += impl_->potential(*p);
     for (std::uint32_t i = 0; i < p->count; ++i) {
       const Vec3 v = p->v[i].vec(), x = p->x[i].vec();
       double vv = 0, gx = 0;
@@ -111,6 +128,12 @@ void Fluid::residuals(std::vector<Residual>& out) const {
     }
   out.push_back({"fluid.density_error_max", excess});
   out.push_back({"fluid.density_error_mean", n ? sum / static_cast<double>(n) : 0});
+  Impl::PairCount pairs;
+  for (const auto& p : impl_->pools) {
+    const Impl::PairCount own = impl_->pairs_of(*p);
+    pairs.close += own.close, pairs.all += own.all;
+  }
+  out.push_back({"fluid.clumping", pairs.share()});
   out.push_back({"fluid.lost_particles", static_cast<double>(impl_->lost)});
 }
 

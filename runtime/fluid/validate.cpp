@@ -68,7 +68,8 @@ void FluidPool::validate() const {
     for (const auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &next_weight, &swap1})
       FEDER_ASSERT(array->size() == room);
     FEDER_ASSERT(swap_id.size() == room && contact_first.size() == room + 1);
-    for (const auto* array : {&origin, &listed_at}) FEDER_ASSERT(array->empty() || array->size() == room + 1);
+    for (const auto* array : {&origin, &listed_at, &script_force, &surface})
+      FEDER_ASSERT(array->empty() || array->size() == room + 1);
   }
   FEDER_ASSERT(x.size() > count && x[count].w == 0 && length(x[count].vec()) > Real(1e8));
   FEDER_ASSERT(v[count].vec().isZero(0) && extra[count].vec().isZero(0));  // the sentinel does not move

@@ -16,6 +16,7 @@ double given(const FluidPool& p, const StepContext& c) {
   const double dt = static_cast<double>(c.dt), h = static_cast<double>(c.h);
   const double g = static_cast<double>(length(c.gravity)) * std::fabs(static_cast<double>(p.desc.gravity_scale));
   double sum = gravity_work(g, dt, n * m + 1e-30, p.kinetic_before, std::fmin(p.kinetic, 1e300));
+  sum += 2 * p.worked;
   sum += 8 * n * static_cast<double>(p.desc.surface_tension) * d * d;  // all the surface that particles can lose
   FEDER_ASSERT(h > 0 && !(p.kinetic_before < 0));
   const double push = d / h + static_cast<double>(p.sound);

@@ -1,6 +1,7 @@
 // Filling, emitters, drains, refused input, absence.
 #include <cmath>
 
+#include "fluid/any_solver.h"
 #include "fluid/tank.h"
 #include "support/catch.h"
 
@@ -129,6 +130,46 @@ TEST_CASE("a drain takes what comes in and counts it", "[fluid]") {
   CHECK(total == 100);
   CHECK(f.passed(drain) == 100);
   CHECK(f.particle_count(id) == 0);
+}
+
+TEST_CASE("below its kill height a fluid ends, and an emitter goes on with the room", "[fluid]") {
+  World w(fluid_world(3), fluid_catalog());
+  Fluid& f = w.need<Fluid>();
+  FluidDesc d;
+  d.spacing = Real(0.1), d.kill_height = -1, d.max_particles = 120, d.solver = any_fluid_solver();
+  CAPTURE(d.solver);
+  const ObjectId id = add_water(w, d, vec3(Real(0.4), Real(0.4), Real(0.4)));
+  d.kill_height = -kInfinity;
+  const ObjectId other = add_water(w, d, vec3(Real(0.2), Real(0.2), Real(0.2)), vec3(5, 0, 0));
+  EmitterDesc e;
+  e.position = vec3(0, 1, 0), e.radius = Real(0.1), e.speed = 1;
+  const ObjectId hose = f.add_emitter(id, e);
+  const auto look = [&](int steps) {
+    for (int k = 0; k < steps; ++k) {
+      w.step();
+      for (const Vec3& x : places(w, id)) CHECK(x[1] >= -1);
+      CHECK(f.particle_count(id) <= 120);
+    }
+  };
+  look(60);
+  const std::string image = w.snapshot();
+  const std::uint64_t emitted = f.passed(hose);
+  look(120);
+  CHECK(f.passed(hose) > emitted + 60);  // 64 + 60 + 60 are more than may be there at once
+  CHECK(f.particle_count(id) < 64 + f.passed(hose));
+  CHECK(f.particle_count(other) == 8);
+  const std::uint64_t hash = w.hash();
+  w.restore(image);
+  CHECK(f.passed(hose) == emitted);
+  look(120);
+  CHECK(w.hash() == hash);
+  look(240);  // until the jet has had all its forms
+  const auto allocations = w.allocations();
+  look(120);
+  CHECK(w.allocations() == allocations);
+  FluidDesc bad;
+  bad.kill_height = kInfinity;
+  CHECK_THROWS_WITH(f.add_fluid(bad), Catch::Contains("kill_height"));
 }
 
 TEST_CASE("bad input is refused and changes nothing", "[fluid]") {

@@ -23,6 +23,74 @@ TEST_CASE("a fluid is made, filled and asked", "[lua][fluid]") {
   )") == "fluid\twater\t0\n60\t60\n60.000 1.000\n180\t0.05 0.05 0.05\ntrue\n2\ntrue\ttrue\nnil\ttrue\n");
 }
 
+TEST_CASE("particles below kill_height are gone", "[lua][fluid]") {
+  CHECK(output_of(R"(
+    local rain = world:fluid{ spacing = 0.1, kill_height = -0.5 }
+    rain:fill{ box = { {0, 0, 0}, {0.3, 0.2, 0.2} } }
+    world:step(6)
+    print(rain:count())
+    world:step(60)
+    print(rain:count(), rain:mass())
+    print(select(2, pcall(world.fluid, world, { kill_height = "low" })))
+  )") == "12\n0\t0.0\t1.0\ntest.lua:8: world:fluid.kill_height: expected a finite number, got 'low'\n");
+}
+
+TEST_CASE("forces act on fluids: kinds, formulas, functions, stages, tags", "[lua][fluid]") {
+  CHECK(output_of(R"(
+    world:set_gravity(0, 0, 0)
+    local function drop(tags) -- the velocity that a step gives one
+      local d = world:fluid{ spacing = 0.1, tags = tags }
+      d:fill{ points = { {2, 0, 0} }, velocity = {0, 1, 0} }
+      return d
+    end
+    local function show(name, d, f)
+      world:step(1)
+      local v = d:velocities()
+      local function round(a) return math.floor(600 * a + 0.5) / 10 end
+      print(name, round(v[1]), round(v[2] - 1), round(v[3]))
+      f:destroy()
+      d:destroy()
+    end
+    for _, force in ipairs{
+      { kind = "gravity", acceleration = {3, 0, 0} },
+      { kind = "drag", linear = 2 },
+      { kind = "wind", velocity = {10, 1, 0} },
+      { kind = "attractor", strength = 8 },
+      { kind = "spring", stiffness = 4 },
+      { kind = "buoyancy", height = 9 },
+      { each = { "m*5", "0", "-m" } },
+      { each = "k*x", params = { k = 2 } },
+      { each = function(x, y, z, vx, vy, vz, m, t) return m * x, 0, m * vy end },
+      { each = function(x, y, z, vx, vy, vz, m, t) return m * x, 0, m * vy end, stages = true },
+    } do
+      local d = drop()
+      force.on = d
+      show(force.kind or type(force.each), d, world:force(force))
+    end
+    local d, dry = drop("wet"), drop()
+    local f = world:force{ on = "wet", each = "m" }
+    show("tag", d, f)
+    print(dry:velocities()[1])
+    print(select(2, pcall(world.force, world, { on = dry, points = {1}, kind = "gravity" })))
+  )") == "gravity\t3.0\t0.0\t0.0\ndrag\t0.0\t-2.0\t0.0\nwind\t0.6\t0.0\t0.0\nattractor\t-2.0\t0.0\t0.0\n"
+         "spring\t-8.0\t0.0\t0.0\nbuoyancy\t0.0\t9.8\t0.0\ntable\t5.0\t0.0\t-1.0\nstring\t4.0\t0.0\t0.0\n"
+         "function\t2.0\t0.0\t1.0\nfunction\t2.0\t0.0\t1.0\ntag\t1.0\t0.0\t0.0\n0.0\n"
+         "test.lua:36: world:force.points: expected on = a net, whose points these are\n");
+}
+
+TEST_CASE("fluid and a net tell of their contact", "[lua][fluid]") {
+  CHECK(output_of(kWater + R"(
+    world:set_gravity(0, 0, 0)
+    local net = world:net{ name = "net", points = { {0,0,0}, {1,0,0}, {1,0,1}, {0,0,1} }, faces = { {1,2,3,4} },
+      pins = {1,2,3,4} }
+    water:fill{ points = { {0.5, 0.3, 0.4} }, velocity = {0, -2, 0} }
+    world:on("contact_begin", function(e) print("begin", e.a:name(), e.b:name(), e.count, e.ny > 0.9) end)
+    net:on("hit", function(e) print("hit", e.other:name(), math.abs(e.speed - 2) < 0.01, e.impulse > 0) end)
+    world:on("contact_end", function(e) print("end", e.a:name(), e.b:name()) end)
+    world:step(30)
+  )") == "begin\tnet\twater\t1\ttrue\nhit\twater\ttrue\ttrue\nend\tnet\twater\n");
+}
+
 TEST_CASE("velocities come from a function or a buffer", "[lua][fluid]") {
   CHECK(output_of(kWater + R"(
     water:fill{ box = { {0, 0, 0}, {0.2, 0.1, 0.1} } }
@@ -73,6 +141,29 @@ TEST_CASE("a region says when the first particle comes and the last has left", "
   )") == "in\tgate\twater\t1\nout\tfluid\t0\n");
 }
 
+TEST_CASE("a fluid is sampled at a point, and what flows through a box is weighed", "[lua][fluid]") {
+  CHECK(output_of(kWater + R"(
+    world:set_gravity(0, 0, 0)
+    water:fill{ box = { {0, 0, 0}, {1, 1, 1} }, velocity = {2, 0, 0} }
+    water:set_velocities(function(x, y) return 2, 3 * x, 0 end)
+    local s = water:sample(0.5, 0.5, 0.5)
+    print(math.abs(s.density - 1000) < 30, #s.velocity, #s.velocity_gradient, #s.velocity_gradient[2])
+    print(("%.1f %.1f %.2f"):format(s.velocity[1], s.velocity[2], s.velocity_gradient[2][1]))
+    print(type(s.pressure), #s.pressure_gradient, #s.density_gradient)
+    local none = water:sample{ 9, 9, 9 }
+    print(none.density, none.pressure, none.velocity[1], none.velocity_gradient[3][3])
+    local f = water:flux{ box = { {0.4, -1, -1}, {0.6, 2, 2} } }
+    print(("%.0f %.0f %.0f %.1f"):format(f.mass, f.x, f.momentum[1], f.velocity[1]))
+    print(water:clumping(), world:residuals()["fluid.clumping"])
+    print(select(2, pcall(water.flux, water, { box = { {1, 0, 0}, {0, 1, 1} } })))
+    print(select(2, pcall(water.flux, water, {})))
+    print(select(2, pcall(water.sample, water, 0, 0 / 0, 0)))
+  )") == "true\t3\t3\t3\n2.0 1.5 3.00\nnumber\t3\t3\n0.0\t0.0\t0.0\t0.0\n200 2000 400 2.0\n0.0\t0.0\n"
+         "test.lua:14: fluid:flux.box: expected the second corner above the first, got 1 and 0 along x\n"
+         "test.lua:15: fluid:flux.box: expected {min, max}, got nothing\n"
+         "test.lua:16: fluid:sample.y: expected a finite number, got nan\n");
+}
+
 TEST_CASE("mistakes name what was expected, and leave the world as it was", "[lua][fluid]") {
   CHECK(error_of("world:fluid{ spacing = 0 }").find("world:fluid.spacing: expected a number above 0, got 0") !=
         std::string::npos);
@@ -80,6 +171,9 @@ TEST_CASE("mistakes name what was expected, and leave the world as it was", "[lu
   CHECK(error_of("world:fluid{ solver = 'sph' }").find("known: pbf, dfsph, wcsph") != std::string::npos);
   CHECK(error_of("world:fluid{ solver = 'dfsph', tolerance = 0 }").find("world:fluid.tolerance: expected") !=
         std::string::npos);
+  CHECK(error_of("world:fluid{ wall_slip = 'some' }").find("world:fluid.wall_slip: ") != std::string::npos);
+  CHECK(error_of("world:fluid{ wall_slip = 'some' }").find("none, free") != std::string::npos);
+  CHECK(output_of("print(world:fluid{ wall_slip = 'free', viscosity = 1 }:kind())") == "fluid\n");
   CHECK(error_of("world:fluid{ kernel = 'gauss' }").find("known: cubic, wendland, poly6_spiky") != std::string::npos);
   CHECK(error_of("world:fluid{ neighbors = 'octree' }").find("known: grid") != std::string::npos);
   CHECK(error_of("world:fluid{ viscosity = 1, kinematic_viscosity = 1 }").find("got both") != std::string::npos);

@@ -34,8 +34,9 @@ struct FluidDesc {
   TagMask tags = 0;
   Real spacing = Real(0.05);  // between particles at rest, m
   Real density = 1000;        // at rest, kg/m^3 (dimension 2: kg/m^2)
-  Real viscosity = 0;         // dynamic, Pa s; no slip at boundaries when above 0
-  Real surface_tension = 0;   // N/m
+  Real viscosity = 0;         // dynamic, Pa s; acts at boundaries as well, unless wall_slip is "free"
+  std::string wall_slip = "none";
+  Real surface_tension = 0;  // N/m
   std::string solver = default_fluid_solver();
   std::string kernel = default_fluid_kernel();
   std::string neighbors = default_fluid_neighbors();
@@ -48,15 +49,17 @@ struct FluidDesc {
   int max_substeps = 60;                  // largest number of solver substeps in a substep of the world
   std::size_t max_particles = 1000000;
   Real gravity_scale = 1;
+  Real kill_height = -kInfinity;  // m; particles below it are removed after each step
   std::uint32_t group = 1, mask = 0xffffffffu;
 
   // Calls f(field) for all of them, in this order.
   template <class D, class F>
   static void each_field(D& d, F&& f) {
-    f(d.name), f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.surface_tension), f(d.solver), f(d.kernel);
+    f(d.name), f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.wall_slip), f(d.surface_tension), f(d.solver),
+        f(d.kernel);
     f(d.neighbors), f(d.support), f(d.stiffness), f(d.iterations), f(d.tolerance), f(d.compression),
         f(d.artificial_viscosity);
-    f(d.max_substeps), f(d.max_particles), f(d.gravity_scale), f(d.group), f(d.mask);
+    f(d.max_substeps), f(d.max_particles), f(d.gravity_scale), f(d.kill_height), f(d.group), f(d.mask);
   }
 };
 
@@ -76,6 +79,23 @@ struct EmitterDesc {
   }
 };
 
+// A fluid at a point, see Fluid::sample; zero where no particle is near.
+struct FluidSample {
+  Real density = 0;                       // kg/m^3 (dimension 2: kg/m^2)
+  Vec3 velocity = Vec3::Zero();           // m/s
+  Real pressure = 0;                      // Pa
+  Vec3 density_gradient = Vec3::Zero();   // kg/m^4 (dimension 2: kg/m^3)
+  Mat3 velocity_gradient = Mat3::Zero();  // row: component of the velocity, column: axis; 1/s
+  Vec3 pressure_gradient = Vec3::Zero();  // Pa/m
+};
+
+// What moves in a box, see Fluid::flux.
+struct FluidFlux {
+  double mass = 0;                 // in the box, kg
+  double momentum[3] = {0, 0, 0};  // of it, kg m/s
+  double rate[3] = {0, 0, 0};      // mass that flows through the box along each axis, kg/s
+};
+
 class Fluid final : public System {
  public:
   static constexpr const char* kName = "fluid";
@@ -91,7 +111,7 @@ class Fluid final : public System {
   void load(Reader& r) override;
   Energy energy(const Vec3& gravity) const override;
   Momentum momentum() const override;
-  void residuals(std::vector<Residual>& out) const override;  // fluid.density_error ...
+  void residuals(std::vector<Residual>& out) const override;  // fluid.density_error_max, fluid.clumping ...
   bool finite() const override;
   void validate() const override;
   double held(const StepContext& c) override;
@@ -117,11 +137,21 @@ class Fluid final : public System {
   std::size_t particle_count(ObjectId fluid) const;
   void positions(ObjectId fluid, std::vector<Vec3>& out) const;
   void velocities(ObjectId fluid, std::vector<Vec3>& out) const;
-  void set_velocities(ObjectId fluid, std::span<const Vec3> v);       // one per particle
+  void set_velocities(ObjectId fluid, std::span<const Vec3> v);         // one per particle
+  void set_script_forces(ObjectId fluid, std::span<const Vec3> force);  // N, one per particle, until changed
+  void clear_script_forces();
   void densities(ObjectId fluid, std::vector<Real>& out);             // over the density at rest
   void pressures(ObjectId fluid, std::vector<Real>& out);             // Pa
   void density_error(ObjectId fluid, double& mean, double& largest);  // excess over the density at rest, as a share
+  double clumping(
+      ObjectId fluid);  // share of the pairs within the kernel's support that lie closer than half a spacing
   double pressure_at(ObjectId fluid, const Vec3& point);  // Pa, mean over the particles near; 0 where there are none
+  // Interpolated from the particles near, with walls: formulas in fluid/sample.cpp.
+  FluidSample sample(ObjectId fluid, const Vec3& point);
+  // The rate along an axis is the momentum in the box over its extent along the axis: the mean over all sections of the
+  // box across the axis of the mass that crosses them, per second. Particles count by the share of their cell (a cube
+  // of the spacing) that lies in the box. Dimension 2: boxes in the xy plane.
+  FluidFlux flux(ObjectId fluid, const Vec3& lo, const Vec3& hi) const;
   // Height of the free surface at (x, z): where the smoothed fluid begins, from above. False where there is none.
   bool height_at(ObjectId fluid, Real x, Real z, Real& y);
   void surface(ObjectId fluid, std::vector<Vec3>& points, std::vector<Vec3>& normals);  // particles at the surface

@@ -1,0 +1,198 @@
+// Forces of the world and of scripts on particles, at the start of each solver substep, as accelerations of that
+// substep: where a solver adds gravity. Generators act on particles as on any mass points. Those on areas (wind) act on
+// the surface: the gradient of the colour field, times the volume of a particle, is the area that it stands for, with
+// its normal (Brackbill, Kothe & Zemach 1992; Mueller, Charypar & Gross 2003); the part of it that faces the flow is
+// pushed along the flow, what lies along it rubs at kSkin. A particle alone has its own section. Kept between calls:
+// forces of scripts, by particle. Weak spot: wcsph and pbf choose their substeps by gravity and speed, not by these
+// forces; no wind shadow.
+#include <algorithm>
+
+#include "fluid/impl.h"
+#include "forces/area.h"
+#include "forces/forces.h"
+
+namespace feder {
+namespace {
+
+// The gradient lies half outside of the surface, where no particles are.
+constexpr Real kOneSided = 2;
+// Density over that at rest below which a particle counts as spray.
+constexpr Real kSpray = Real(0.5);
+constexpr std::uint32_t kForceBlock = 128;  // particles of one call of a generator
+
+struct Sums {
+  double momentum[3] = {0, 0, 0}, kinetic = 0;  // kg m/s, J
+};
+
+Sums sums_of(const FluidPool& p) {
+  Sums s;
+  double square = 0;
+  for (std::uint32_t i = 0; i < p.count; ++i) {
+    const double v[3] = {p.v[i].x, p.v[i].y, p.v[i].z};
+    for (int k = 0; k < 3; ++k) s.momentum[k] += v[k], square += v[k] * v[k];
+  }
+  for (double& m : s.momentum) m *= static_cast<double>(p.mass);
+  s.kinetic = 0.5 * static_cast<double>(p.mass) * square;
+  return s;
+}
+
+// Wind on the surface of a particle, N. `full`: force on a square metre across the flow.
+Vec3 wind_force(const Vec3& full, const Row4& surface) {
+  const Real size = length(full);
+  if (!(size > 0)) return Vec3::Zero();
+  const Vec3 out = surface.vec();
+  const Real facing = std::max(Real(0), -dot(out, full) / size);
+  return (facing + kSkin * length(out) + surface.w) * full;
+}
+
+// Adds the forces on the particles [first, last), at most kForceBlock, to `out`.
+template <class EachForce>
+void add_generators(const FluidPool& p, std::uint32_t first, std::uint32_t last, double time, Real drag,
+                    EachForce&& each_force, Vec3* out) {
+  MassPoint points[kForceBlock];
+  Vec3 full[kForceBlock];
+  const std::uint32_t count = last - first;
+  FEDER_ASSERT(count <= kForceBlock);
+  for (std::uint32_t k = 0; k < count; ++k) {
+    MassPoint& m = points[k];
+    m.position = p.x[first + k].vec(), m.velocity = p.v[first + k].vec();
+    m.mass = p.mass, m.volume = p.volume, m.most_drag = drag * p.mass;
+  }
+  each_force(p, [&](const ForceEntry& f) {
+    if (!f.force->on_area()) return f.force->add(points, count, time, out);
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const Row4& surface = p.surface[first + k];
+      const Real area = (1 + kSkin) * length(surface.vec()) + surface.w;
+      full[k] = Vec3::Zero();
+      if (!(area > 0)) continue;
+      MassPoint m = points[k];
+      m.area = 1, m.most_drag = drag * p.mass / area;
+      f.force->add(&m, 1, time, &full[k]);
+      out[k] += wind_force(full[k], surface);
+    }
+  });
+}
+
+}  // namespace
+
+template <class F>
+void Fluid::Impl::each_force(const FluidPool& p, F&& f) const {
+  const Forces* forces = store.find<Forces>();
+  if (!forces) return;
+  const TagMask tags = objects.tags(p.object);
+  for (const ForceEntry& entry : forces->list)
+    if (acts_on(entry, p.object, tags)) f(entry);
+}
+
+bool Fluid::Impl::has_forces() const {
+  const Forces* forces = store.find<Forces>();
+  if (forces && !forces->list.empty()) return true;
+  return std::any_of(pools.begin(), pools.end(), [](const auto& p) { return !p->script_force.empty(); });
+}
+
+bool Fluid::Impl::has_wind() {
+  const Forces* forces = store.find<Forces>();
+  if (!forces) return false;
+  const bool wind = std::any_of(forces->list.begin(), forces->list.end(),
+                                [](const ForceEntry& f) { return f.force && f.force->on_area(); });
+  for (auto& p : pools)
+    if (wind && p->surface.size() < p->x.size()) p->surface.resize(p->x.size());
+  return wind;
+}
+
+// Surfaces of the pools that wind acts on, before the solver substeps.
+void Fluid::Impl::find_surfaces(StepContext& c) {
+  for (auto& pool : pools) {
+    FluidPool& p = *pool;
+    bool blown = false;
+    each_force(p, [&](const ForceEntry& f) { blown = blown || f.force->on_area(); });
+    if (!blown || p.count == 0 || p.frozen) continue;
+    FEDER_ASSERT(p.surface.size() > p.count);
+    boundary.move_to(0);
+    p.sort_by_cell();
+    std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
+    p.find_neighbors(*c.jobs, 0);
+    p.find_contacts(*c.jobs, boundary, 0, c.gravity, false);
+    p.find_ratios(*c.jobs);
+    p.sweeps->slopes(p.sweep_input(), 0, p.count, &p.move[0].x, p.squares.data());
+    const Real section = p.volume / p.desc.spacing;
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      Vec3 inward = p.slope_factor * p.move[i].vec();
+      for (const BoundaryContact& k : p.contacts_of(i))
+        inward -= p.table->at(k.distance(p.x[i].vec()) / p.support).colour / p.support * k.normal;
+      p.surface[i].set(-kOneSided * p.volume * inward);
+      p.surface[i].w = section * clamp((kSpray - p.ratio[i]) / (kSpray - p.own_value), 0, 1);
+    }
+  }
+}
+
+void Fluid::Impl::apply_forces(StepContext& c) {
+  const Real h = c.h / static_cast<Real>(c.inner.count);
+  const double time =
+      c.time + static_cast<double>(c.substep) * static_cast<double>(c.h) + c.inner.index * static_cast<double>(h);
+  const Forces* forces = store.find<Forces>();
+  const Real drag = (forces ? forces->drag_share() : Real(1)) / h;
+  for (auto& pool : pools) {
+    FluidPool& p = *pool;
+    if (p.count == 0 || p.frozen || p.group != static_cast<std::uint32_t>(c.inner.group)) continue;
+    bool any = !p.script_force.empty(), serial = false;
+    each_force(p, [&](const ForceEntry& f) { any = true, serial = serial || f.force->on_stepping_thread(); });
+    if (!any) continue;
+    const auto push = [&](std::uint32_t first, std::uint32_t last, int) {
+      Vec3 force[kForceBlock];
+      for (std::uint32_t from = first; from < last; from += kForceBlock) {
+        const std::uint32_t to = std::min(from + kForceBlock, last);
+        for (std::uint32_t i = from; i < to; ++i)
+          force[i - from] = p.script_force.empty() ? Vec3(Vec3::Zero()) : p.script_force[i].vec();
+        add_generators(
+            p, from, to, time, drag, [&](const FluidPool& q, auto&& f) { each_force(q, f); }, force);
+        for (std::uint32_t i = from; i < to; ++i) {
+          Vec3 kick = (h / p.mass) * force[i - from];
+          if (p.dimension == 2) kick[2] = 0;
+          p.v[i].set(p.v[i].vec() + kick);
+        }
+      }
+    };
+    const Sums before = sums_of(p);
+    if (serial)
+      push(0, p.count, 0);
+    else
+      c.jobs->for_blocks(p.count, kParticleGrain, push);
+    const Sums after = sums_of(p);
+    for (int k = 0; k < 3; ++k) p.pushed[k] += after.momentum[k] - before.momentum[k];
+    p.worked += std::max(0.0, after.kinetic - before.kinetic);
+  }
+}
+
+double Fluid::Impl::potential(const FluidPool& p) const {
+  double sum = 0;
+  each_force(p, [&](const ForceEntry& f) {
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      MassPoint m;
+      m.position = p.x[i].vec(), m.velocity = p.v[i].vec(), m.mass = p.mass, m.volume = p.volume;
+      sum += f.force->potential(&m, 1);
+    }
+  });
+  return sum;
+}
+
+void Fluid::set_script_forces(ObjectId id, std::span<const Vec3> force) {
+  const Command command(impl_->commands, "fluid.set_script_forces", id, force);
+  FluidPool& p = impl_->pool(id);
+  if (force.size() != p.count)
+    throw SceneError("force: expected " + std::to_string(p.count) + " forces, one per particle, got " +
+                     std::to_string(force.size()));
+  for (const Vec3& f : force)
+    if (!is_finite(f)) throw SceneError("force: expected three finite numbers");
+  if (p.script_force.empty()) *impl_->structure_changed = true;
+  p.keep_script_forces();
+  const std::vector<std::uint32_t> order = impl_->by_id(p);
+  for (std::size_t k = 0; k < order.size(); ++k) p.script_force[order[k]].set(force[k]);
+}
+
+void Fluid::clear_script_forces() {
+  const Command command(impl_->commands, "fluid.clear_script_forces");
+  for (auto& p : impl_->pools) std::fill(p->script_force.begin(), p->script_force.end(), Row4{});
+}
+
+}  // namespace feder
