@@ -113,7 +113,7 @@ void Fluid::Impl::find_surfaces(StepContext& c) {
     std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
     p.find_neighbors(*c.jobs, 0);
     p.find_contacts(*c.jobs, boundary, 0, c.gravity, false);
-    p.find_ratios(*c.jobs);
+    p.find_ratios(boundary, *c.jobs);
     p.sweeps->slopes(p.sweep_input(), 0, p.count, &p.move[0].x, p.squares.data());
     const Real section = p.volume / p.desc.spacing;
     for (std::uint32_t i = 0; i < p.count; ++i) {

@@ -6,8 +6,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kProjected = Real(0.4);  // step of the projected gradient, over the diagonal: below 2 over the largest
-                                        // eigenvalue, 3.9 to 4.6 in columns at rest
+constexpr double kFirstStep = 0.4;  // over the diagonal: below 2 over the largest eigenvalue, 3.9 to 4.6 in columns at
+                                    // rest
 
 // Of displacements: what they may leave of an error, over the diagonal and per multiplier. Densities hardly feel some
 // displacements, of neighbours against each other; to correct by those takes so long ones that the densities after them
@@ -17,8 +17,8 @@ constexpr Real kSoftness = Real(0.3);
 }  // namespace
 
 void PressureSystem::Sums::add(const Sums& s) {
-  proportion += s.proportion, reduced += s.reduced, descent += s.descent, curvature += s.curvature;
-  conjugate += s.conjugate, error += s.error, room = std::min(room, s.room);
+  descent += s.descent, curvature += s.curvature, conjugate += s.conjugate, error += s.error,
+      room = std::min(room, s.room);
 }
 
 template <class F>
@@ -175,91 +175,57 @@ void PressureSystem::find_residuals(JobPool& jobs) {
 
 PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool& jobs) {
   Result result;
-  double count = 0;
+  double count = 0, length = kFirstStep;
   for (const FluidPool* p : pools_) count += p->count;
-  // by the residual r and the diagonal d: what the projections allow
-  const auto look = [&](FluidPool& p, std::uint32_t i, Sums& s) {
-    const Real l = multipliers(p)[i], r = p.residual[i], d = p.diagonal[i];
-    if (l > 0) {
-      const Real within = std::max(r, -l * d / kProjected);
-      s.reduced += static_cast<double>(within) * static_cast<double>(r) / static_cast<double>(d);
-      s.error += std::fabs(static_cast<double>(r));
-    } else if (r > 0) {
-      s.proportion += static_cast<double>(r) * static_cast<double>(r) / static_cast<double>(d);
-      s.error += static_cast<double>(r);
-    }
-  };
+  // under pressure, or about to be
+  const auto active = [this](FluidPool& p, std::uint32_t i) { return multipliers(p)[i] > 0 || p.residual[i] > 0; };
   const auto restart = [&] {
     each(jobs, [&](FluidPool& p, std::uint32_t i) {
-      p.next_weight[i] = multipliers(p)[i] > 0 ? p.residual[i] / p.diagonal[i] : Real(0);
+      p.next_weight[i] = active(p, i) ? p.residual[i] / p.diagonal[i] : Real(0);
     });
   };
   find_residuals(jobs);
   restart();
-  for (;;) {
-    const Sums now = sum(jobs, look);
+  for (bool fresh = true;;) {
+    const Sums now = sum(jobs, [&](FluidPool& p, std::uint32_t i, Sums& s) {
+      if (active(p, i)) s.error += std::fabs(static_cast<double>(p.residual[i]));
+    });
     result.error = now.error / count;
     if (result.error <= tolerance || result.iterations >= most) break;
-    const bool joining = now.proportion > now.reduced;  // particles come under pressure
-    if (joining)
-      each(jobs, [&](FluidPool& p, std::uint32_t i) {
-        p.next_weight[i] = multipliers(p)[i] > 0 ? Real(0) : std::max(p.residual[i], Real(0)) / p.diagonal[i];
-      });
+    // the step that would be taken, up to the bounds
+    each(jobs, [&](FluidPool& p, std::uint32_t i) {
+      p.next_weight[i] = std::max(-multipliers(p)[i], static_cast<Real>(length) * p.next_weight[i]);
+    });
     press(jobs), grow(jobs, true);
     ++result.iterations;
     const Sums s = sum(jobs, [&](FluidPool& p, std::uint32_t i, Sums& t) {
-      const double w = static_cast<double>(p.next_weight[i]), l = static_cast<double>(multipliers(p)[i]);
+      const double w = static_cast<double>(p.next_weight[i]);
       t.descent += w * static_cast<double>(p.residual[i]);
       t.curvature -= w * static_cast<double>(p.sum[i]);
-      if (w < 0) t.room = std::min(t.room, l / -w);
+      if (w < 0) t.room = std::min(t.room, static_cast<double>(multipliers(p)[i]) / -w);
     });
-    if (!(s.curvature > 0)) break;
+    if (!(s.descent > 0) || !(s.curvature > 0)) {
+      if (fresh) break;
+      restart();
+      fresh = true, length = kFirstStep;
+      continue;
+    }
     const double full = s.descent / s.curvature;
     const Real size = static_cast<Real>(std::min(full, s.room));
     step(size, jobs);
-    if (joining) {
-      each(jobs, [&](FluidPool& p, std::uint32_t i) {
-        multipliers(p)[i] += size * p.next_weight[i];
-        p.residual[i] += size * p.sum[i];
-      });
-      restart();
-      continue;
-    }
-    if (full <= s.room) {
-      // conjugate gradients
-      const Sums t = sum(jobs, [&](FluidPool& p, std::uint32_t i, Sums& g) {
-        Real& l = multipliers(p)[i];
-        const bool free = l > 0;
-        if (free) l = std::max(Real(0), l + size * p.next_weight[i]);
-        p.residual[i] += size * p.sum[i];
-        if (free)
-          g.conjugate -=
-              static_cast<double>(p.residual[i]) / static_cast<double>(p.diagonal[i]) * static_cast<double>(p.sum[i]);
-      });
-      const Real carry = static_cast<Real>(t.conjugate / s.curvature);
-      each(jobs, [&](FluidPool& p, std::uint32_t i) {
-        p.next_weight[i] = multipliers(p)[i] > 0 ? p.residual[i] / p.diagonal[i] - carry * p.next_weight[i] : Real(0);
-      });
-      continue;
-    }
-    // some come free: to the first of them, then a step of the projected gradient
-    each(jobs, [&](FluidPool& p, std::uint32_t i) {
+    const Sums t = sum(jobs, [&](FluidPool& p, std::uint32_t i, Sums& g) {
       Real& l = multipliers(p)[i];
+      l = std::max(Real(0), l + size * p.next_weight[i]);
       p.residual[i] += size * p.sum[i];
-      if (!(l > 0)) {
-        p.next_weight[i] = 0;
-        return;
-      }
-      const Real at = std::max(Real(0), l + size * p.next_weight[i]);
-      const Real to = std::max(Real(0), at + kProjected * p.residual[i] / p.diagonal[i]);
-      p.next_weight[i] = to - at;
-      l = to;
+      if (active(p, i))
+        g.conjugate -= static_cast<double>(p.residual[i] / p.diagonal[i]) * static_cast<double>(p.sum[i]);
     });
-    press(jobs), grow(jobs, true);
-    ++result.iterations;
-    step(1, jobs);
-    each(jobs, [&](FluidPool& p, std::uint32_t i) { p.residual[i] += p.sum[i]; });
-    restart();
+    const Real carry = static_cast<Real>(t.conjugate / s.curvature);
+    each(jobs, [&](FluidPool& p, std::uint32_t i) {
+      p.next_weight[i] = active(p, i) ? p.residual[i] / p.diagonal[i] - carry * p.next_weight[i] : Real(0);
+    });
+    length *= full;
+    fresh = false;
   }
   return result;
 }

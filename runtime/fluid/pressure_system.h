@@ -4,10 +4,10 @@
 // which are the conditions of min l A l / 2 - b l, A = G M^-1 G^T. u: velocities (m/s; l in kg m^2/s, and l / (h V) is
 // the pressure over the squared density ratio) or displacements (m). Pair terms are those of a density, so A is
 // symmetric, momentum is kept, and what pressure takes from the flow is the least that it can.
-// Solved by modified proportioning with reduced gradient projection (Dostal & Schoeberl 2005): conjugate gradients
-// among particles under pressure, scaled by the diagonal; steps of the projected gradient where some come free. A
-// column of n layers takes some n iterations, not n^2. Sums run over blocks in order: same bits for any number of
-// threads.
+// Solved by conjugate gradients, scaled by the diagonal, among the particles under pressure: a step goes up to the
+// bounds particle by particle (Polyak 1969; More & Toraldo 1991), then along what is left of it to the least of the
+// energy, and the next direction is conjugate to that. The energy falls with every step. A column of n layers takes
+// some n iterations, not n^2. Sums run over blocks in order: same bits for any number of threads.
 #pragma once
 #include "base/jobs.h"
 #include "fluid/pool.h"
@@ -42,7 +42,7 @@ class PressureSystem {
 
  private:
   struct Sums {
-    double proportion = 0, reduced = 0, descent = 0, curvature = 0, conjugate = 0, error = 0, room = 1e300;
+    double descent = 0, curvature = 0, conjugate = 0, error = 0, room = 1e300;
     void add(const Sums& s);
   };
   template <class F>
