@@ -57,6 +57,8 @@ constexpr Option<FluidReading> kFluid[] = {
 
 // What a fluid is filled into, or drained from.
 struct Volume {
+  WorldRecord* record = nullptr;
+  ObjectId body;  // that a drain rides on
   std::string name;
   TagMask tags = 0;
   std::vector<Vec3> points;
@@ -87,10 +89,28 @@ constexpr Option<Volume> kFill[] = {
     later<Volume>("rotation", "rotation"),
 };
 
+// body = b, that a source rides on.
+template <class T>
+void read_carrier(Options& o, const OptionRow& row, T& made) {
+  if (!o.push_any(row.name)) return;
+  made.body = check_object(o.L(), -1, *made.record, o.path(row.name), "body");
+  lua_pop(o.L(), 1);
+}
+
+struct EmitterReading : EmitterDesc {
+  WorldRecord* record = nullptr;
+};
+
+void read_jet(Options& o, const OptionRow& row, EmitterReading& made) { o.unit(row.name, made.direction); }
+
 constexpr Option<Volume> kDrain[] = {
-    field<&Volume::name>("name"),          box_row(read_volume),
-    later<Volume>("shape", "shape"),       later<Volume>("position", "vector", "m"),
-    later<Volume>("rotation", "rotation"), later<Volume>("tags", kWordsType),
+    special("body", "body", read_carrier<Volume>),
+    field<&Volume::name>("name"),
+    box_row(read_volume),
+    later<Volume>("shape", "shape"),
+    later<Volume>("position", "vector", "m"),
+    later<Volume>("rotation", "rotation"),
+    later<Volume>("tags", kWordsType),
 };
 
 void read_flux_box(Options& o, const OptionRow& row, FluidBox& box) {
@@ -99,15 +119,16 @@ void read_flux_box(Options& o, const OptionRow& row, FluidBox& box) {
 
 constexpr Option<FluidBox> kFlux[] = {box_row(read_flux_box)};
 
-constexpr Option<EmitterDesc> kEmitter[] = {
+constexpr Option<EmitterReading> kEmitter[] = {
     field<&EmitterDesc::name>("name"),
+    special("body", "body", read_carrier<EmitterReading>),
     field<&EmitterDesc::position>("position", "m"),
-    direction<EmitterDesc, &EmitterDesc::direction>("direction"),
+    special("direction", "direction", read_jet),
     field<&EmitterDesc::speed>("speed", "m/s", kPositive),
     field<&EmitterDesc::radius>("radius", "m", kNotNegative),
     field<&EmitterDesc::rate>("rate", "1/s", kPositive).unset(),
     field<&EmitterDesc::limit>("limit", "", {1, 1099511627776.0}).unset(),
-    later<EmitterDesc>("tags", kWordsType),
+    later<EmitterReading>("tags", kWordsType),
 };
 
 }  // namespace
@@ -144,12 +165,13 @@ FluidBox fluid_box(const Object<Fluid>& f, lua_State* L) {
 }
 
 ObjectId fluid_emitter(const Object<Fluid>& f, lua_State* L) {
-  return f.system.add_emitter(f.id, read_description(L, f.record, kEmitter));
+  const EmitterReading emitter = read_description(L, f.record, kEmitter);
+  return f.system.add_emitter(f.id, emitter);
 }
 
 ObjectId fluid_drain(const Object<Fluid>& f, lua_State* L) {
   Volume v = read_description(L, f.record, kDrain);
-  return f.system.add_drain(f.id, v.name, v.tags, std::move(v.shape), v.pose);
+  return f.system.add_drain(f.id, v.name, v.tags, std::move(v.shape), v.pose, v.body);
 }
 
 }  // namespace feder::lua

@@ -133,10 +133,11 @@ const Method kFluidMethods[] = {
      "fluid:fill{ box = {min, max} | shape =, position =, rotation = | points =, velocity = } -> count",
      "particles on a lattice, or at the points", fill_rows},
     {"emitter", method<fluid_emitter>,
-     "fluid:emitter{ position =, direction =, speed =, radius =, rate =, limit = } -> emitter",
-     "rate in particles per second (a full jet when left out), limit in particles", emitter_rows},
-    {"drain", method<fluid_drain>, "fluid:drain{ box = {min, max} | shape =, position =, rotation = } -> drain",
-     "takes the particles in it away after each step", drain_rows},
+     "fluid:emitter{ body =, position =, direction =, speed =, radius =, rate =, limit = } -> emitter",
+     "rate in particles per second (a full jet when left out), limit in particles; on a body: in its frame",
+     emitter_rows},
+    {"drain", method<fluid_drain>, "fluid:drain{ body =, box = {min, max} | shape =, position =, rotation = } -> drain",
+     "takes the particles in it away after each step; on a body: in its frame", drain_rows},
     {"count", method<&Fluid::particle_count>, "fluid:count() -> integer", "particles"},
     {"positions", guard<list_vectors<Fluid, &Fluid::positions>>, "fluid:positions([buffer]) -> buffer",
      "x, y, z of all, in the order they were made"},
@@ -172,7 +173,8 @@ const Method kEmitterMethods[] = {
     {"running", method<&Fluid::running>, "emitter:running() -> boolean", "does it emit?"},
     {"count", method<&Fluid::passed>, "emitter:count() -> integer", "particles emitted so far"},
     {"fluid", method<&Fluid::fluid_of>, "emitter:fluid() -> fluid", "what it feeds"},
-    {"aim", method<&Fluid::aim>, "emitter:aim(x, y, z, dx, dy, dz) -> self", "new place and direction of the nozzle"},
+    {"aim", method<&Fluid::aim>, "emitter:aim(x, y, z, dx, dy, dz) -> self",
+     "new place and direction of the nozzle, in the frame of its body"},
 };
 
 const Method kDrainMethods[] = {
@@ -225,7 +227,7 @@ void make_fluid(lua_State* L, int world) {
   const int fluid = lua_gettop(L);
   for (const char* part : {"fill", "emitter", "drain"}) {
     const auto make = [&](int entry) {
-      if (lua_type(L, entry) == LUA_TTABLE) make_shape_field(L, entry);
+      if (lua_type(L, entry) == LUA_TTABLE) make_shape_field(L, entry), resolve_name(L, world, entry, "body");
       call_maker(L, fluid, part, entry, 0);
     };
     if (lua_getfield(L, options, part) == LUA_TTABLE && lua_rawlen(L, -1) > 0)

@@ -39,6 +39,12 @@ void FluidRigid::add_passes(StepPlan& plan) {
   contacts_.use();
   using F = FluidRigid;
   plan.add<&F::collect>(Rank::boundary_list, "list boundary", kName, this);
+  carriers_.clear();
+  fluid_.list_carriers(carriers_);
+  if (!carriers_.empty()) {
+    plan.add<&F::carry_emitters>(before(Rank::fluid_emit), "carry emitters", kName, this);
+    plan.add<&F::carry_drains>(before(Rank::fluid_drain), "carry drains", kName, this);
+  }
   plan.add<&F::set_boundary>(Rank::boundary_place, "place boundary", kName, this);
   plan.add<&F::weigh>(Rank::boundary_weigh, "weigh impulses", kName, this);
   plan.add<&F::give_velocities>(Rank::boundary_push, "push bodies", kName, this);
@@ -129,6 +135,37 @@ void FluidRigid::collect(StepContext&) {
   list_boundary();
   mismatch_ = given_ = pushed_ = 0;
   fluid_.clear_contact_states();
+}
+
+// Where bodies are at the start of the substep, with the velocities of the substep.
+void FluidRigid::carry_emitters(StepContext&) {
+  const Bodies& b = rigid_.bodies();
+  carriers_.clear();
+  fluid_.list_carriers(carriers_);
+  for (FluidCarrier& k : carriers_) {
+    const std::uint32_t i = objects_.index(k.body), at = solver_bodies_.index[b.solver_slot[i]];
+    k.center = b.position[i], k.pose.rotation = b.rotation[i];
+    if (at != 0) {
+      const SolverBody& s = solver_bodies_.state[at];
+      k.center = solver_bodies_.mass[at].center + s.delta_position, k.pose.rotation = s.rotation;
+      k.velocity = s.velocity, k.angular_velocity = s.angular_velocity;
+    }
+    k.pose.position = k.center - rotate(k.pose.rotation, b.local_com[i]);
+  }
+  fluid_.carry(carriers_);
+}
+
+// Where bodies are after the step.
+void FluidRigid::carry_drains(StepContext&) {
+  const Bodies& b = rigid_.bodies();
+  carriers_.clear();
+  fluid_.list_carriers(carriers_);
+  for (FluidCarrier& k : carriers_) {
+    const std::uint32_t i = objects_.index(k.body);
+    k.pose = b.origin_pose(i), k.center = b.position[i];
+    k.velocity = b.velocity[i], k.angular_velocity = b.angular_velocity[i];
+  }
+  fluid_.carry(carriers_);
 }
 
 void FluidRigid::place_for_queries(StepContext&) {

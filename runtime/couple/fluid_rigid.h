@@ -41,6 +41,8 @@ class FluidRigid final : public System {
 
   // Passes.
   void collect(StepContext& c);
+  void carry_emitters(StepContext& c);
+  void carry_drains(StepContext& c);
   void place_for_queries(StepContext& c);
   void set_boundary(StepContext& c);
   void weigh(StepContext& c);
@@ -63,6 +65,7 @@ class FluidRigid final : public System {
   Array<std::uint32_t> collider_{&arena_};            // by boundary shape
   Array<std::uint32_t> body_{&arena_};                // by boundary body: index in Bodies
   Array<std::uint32_t> index_of_body_{&arena_};       // by body: in Boundary::bodies; kNone: not there
+  Array<FluidCarrier> carriers_{&arena_};             // bodies that emitters and drains ride on
   Array<Inside> inside_{&arena_};                     // of this step
   Array<FluidContactState> fluid_contacts_{&arena_};  // of this step, by fluid, then body
   double before_[3] = {0, 0, 0};                      // momentum of the fluids when the boundary was placed, kg m/s

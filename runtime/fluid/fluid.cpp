@@ -86,6 +86,10 @@ void Fluid::add_passes(StepPlan& plan) {
   std::size_t most = 0;
   for (const auto& p : m->pools) most += p->capacity();
   if (most == 0) return;
+  const auto rides = [](const auto& s) { return static_cast<bool>(s.body); };
+  if (std::any_of(m->emitters.begin(), m->emitters.end(), rides) ||
+      std::any_of(m->drains.begin(), m->drains.end(), rides))
+    plan.add<&Impl::stop_lost_sources>(Rank::boundary_list, "stop lost sources", kName, m);
   if (!m->emitters.empty()) plan.add<&Impl::emit>(Rank::fluid_emit, "emit", kName, m);
   bool fresh = false;
   for (const auto& p : m->pools) fresh = fresh || p->fresh;

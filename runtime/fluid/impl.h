@@ -26,19 +26,22 @@ struct Need {
 
 // Plain data, saved as bytes; nozzle sites follow from the settings.
 struct FluidEmitter {
-  ObjectId object, fluid;
+  ObjectId object, fluid, body;
   Vec3 position = Vec3::Zero(), direction = Vec3::Zero();
-  Real speed = 0, radius = 0, rate = 0;  // rate: particles per second, 0 a full jet
+  Vec3 local_position = Vec3::Zero(), local_direction = Vec3::Zero();  // in the frame of the body
+  Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();       // of the nozzle with the body, m/s, rad/s
+  Real speed = 0, radius = 0, rate = 0;                                // rate: particles per second, 0 a full jet
   std::uint64_t limit = 0, made = 0;
   double clock = 0;  // s, for which it has been running
   std::uint32_t running = 1, done = 0;
 };
 
 struct FluidDrain {
-  ObjectId object, fluid;
+  ObjectId object, fluid, body;
   std::uint32_t shape = 0;  // in Impl::shapes
-  std::uint32_t unused = 0;
+  std::uint32_t stopped = 0;
   Pose pose;
+  Pose local;  // in the frame of the body
   std::uint64_t taken = 0;
 };
 
@@ -90,8 +93,8 @@ struct Fluid::Impl {
   }
   void group_pools();
   void make_room();  // outside steps: for particles of the emitters
-  // The sites of an emitter's nozzle: a lattice over its circle (2D: segment), in a fixed order. Calls f(offset, m),
-  // until it returns false.
+  // The sites of an emitter's nozzle: a lattice over its circle (2D: segment), those of its first half-layer
+  // and then those of its second. Calls f(offset in m, second half), until it returns false.
   template <class F>
   static void each_site(const FluidEmitter& e, const FluidPool& p, F&& f);
   static std::uint64_t site_count(const FluidEmitter& e, const FluidPool& p);
@@ -122,6 +125,7 @@ struct Fluid::Impl {
   void watch(FluidPool& p, double square, StepContext& c);  // square: sum of the squared speeds, m^2/s^2
   void suspect(const FluidPool& p);
   void run_emitter(FluidEmitter& e, StepContext& c);
+  void stop_lost_sources(StepContext& c);  // those whose body is no more
 
   struct PairCount {
     std::uint64_t close = 0, all = 0;  // closer than half a spacing; within the support

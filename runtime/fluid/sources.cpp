@@ -1,40 +1,49 @@
 // Emitters and drains. An emitter adds particles one after another at the sites of a lattice over its nozzle, each at
 // the exact time it is due: a particle that leaves the nozzle within a substep starts as far behind it as it would have
-// been at the substep's start. A full jet adds whole layers, one spacing apart along the velocity. Kept between steps:
-// the clock of each emitter and how many particles it has made.
+// been at the substep's start. A full jet adds a layer per spacing along the velocity, in two halves like the colours
+// of a chessboard, the second half a spacing behind: so layers interlock. Flat ones would stay plates that drift apart
+// where the jet gets faster; layers that are jittered at random are too dense in places, and the jet bursts. What rides
+// on a body moves with it, and does not push back. Kept between steps: the clock of each emitter and how many particles
+// it has made. Weak spot: within a substep a nozzle turns with its body only at the start.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "feder/body.h"
 #include "fluid/impl.h"
 
 namespace feder {
 namespace {
 
 constexpr double kRoomAhead = 0.25;  // s, of emission for which there is room
+// The axes of a nozzle's lattice.
+void nozzle_axes(const FluidEmitter& e, const FluidPool& p, Vec3& a, Vec3& b) {
+  FEDER_ASSERT(is_direction(e.direction));
+  if (p.dimension == 2)
+    a = vec3(-e.direction[1], e.direction[0], 0), b = Vec3::Zero();
+  else
+    tangent_frame(e.direction, a, b);
+}
 
 }  // namespace
 
 template <class F>
 void Fluid::Impl::each_site(const FluidEmitter& e, const FluidPool& p, F&& f) {
-  FEDER_ASSERT(is_direction(e.direction));
   const Real d = p.desc.spacing;
-  const bool plane = p.dimension == 2;
-  const int n = static_cast<int>(e.radius / d), depth = plane ? 0 : n;
+  const int n = static_cast<int>(e.radius / d), depth = p.dimension == 2 ? 0 : n;
   Vec3 a, b;
-  if (plane)
-    a = vec3(-e.direction[1], e.direction[0], 0), b = Vec3::Zero();
-  else
-    tangent_frame(e.direction, a, b);
-  for (int i = -n; i <= n; ++i)
-    for (int k = -depth; k <= depth; ++k)
-      if (static_cast<Real>(i * i + k * k) * d * d <= e.radius * e.radius)
-        if (!f(Vec3(static_cast<Real>(i) * d * a + static_cast<Real>(k) * d * b))) return;
+  nozzle_axes(e, p, a, b);
+  for (const bool late : {false, true})
+    for (int i = -n; i <= n; ++i)
+      for (int k = -depth; k <= depth; ++k)
+        if ((i + k) % 2 != 0 ? late : !late)
+          if (static_cast<Real>(i * i + k * k) * d * d <= e.radius * e.radius)
+            if (!f(Vec3(static_cast<Real>(i) * d * a + static_cast<Real>(k) * d * b), late)) return;
 }
 
 std::uint64_t Fluid::Impl::site_count(const FluidEmitter& e, const FluidPool& p) {
   std::uint64_t count = 0;
-  each_site(e, p, [&](const Vec3&) { return ++count > 0; });
+  each_site(e, p, [&](const Vec3&, bool) { return ++count > 0; });
   return count;
 }
 
@@ -64,10 +73,11 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
   need(d.rate >= 0 && is_finite(d.rate), "rate", "a finite number, 0 or more", d.rate);
   need(is_finite(d.position) && is_finite(d.direction), "position", "finite numbers", 0);
   need(length(d.direction) > 0, "direction", "a vector that is not zero", 0);
+  if (d.body) m.objects.index(d.body, kBodyKind);  // throws
   FluidEmitter e;
-  e.fluid = fluid;
-  e.position = d.position;
-  e.direction = normalized_or(d.direction, vec3(0, -1, 0));
+  e.fluid = fluid, e.body = d.body;
+  e.position = e.local_position = d.position;
+  e.direction = e.local_direction = normalized_or(d.direction, vec3(0, -1, 0));
   e.speed = d.speed, e.radius = d.radius, e.rate = d.rate, e.limit = d.limit;
   const FluidPool& p = m.pool(fluid);
   // the lattice of the nozzle is enumerated below, so its size is checked first
@@ -86,14 +96,15 @@ ObjectId Fluid::add_emitter(ObjectId fluid, const EmitterDesc& d) {
   return e.object;
 }
 
-ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapePtr shape, const Pose& pose) {
-  const Command command(impl_->commands, "fluid.add_drain", fluid, name, tags, shape, pose);
+ObjectId Fluid::add_drain(ObjectId fluid, std::string name, TagMask tags, ShapePtr shape, const Pose& pose,
+                          ObjectId body) {
+  const Command command(impl_->commands, "fluid.add_drain", fluid, name, tags, shape, pose, body);
   if (!shape) throw SceneError("drain: expected a shape");
   check_pose(pose, "drain");
   Impl& m = *impl_;
-  if (!shape) throw SceneError("drain: expected a shape");
+  if (body) m.objects.index(body, kBodyKind);  // throws
   FluidDrain d;
-  d.fluid = fluid;
+  d.fluid = fluid, d.body = body, d.local = pose;
   d.shape = static_cast<std::uint32_t>(m.shapes.size());
   d.pose = pose;
   d.object = m.objects.add(kDrainKind, static_cast<std::uint32_t>(m.drains.size()), std::move(name), tags);
@@ -137,8 +148,51 @@ void Fluid::aim(ObjectId id, const Vec3& position, const Vec3& direction) {
   if (!is_finite(position) || !is_finite(direction) || !(length(direction) > 0))
     throw SceneError("emitter: expected a finite position, and a direction that is not zero");
   FluidEmitter& e = impl_->emitter(id);
-  e.position = position;
-  e.direction = normalized_or(direction, vec3(0, -1, 0));
+  e.position = e.local_position = position;
+  e.direction = e.local_direction = normalized_or(direction, vec3(0, -1, 0));
+}
+
+void Fluid::list_carriers(Array<FluidCarrier>& out) const {
+  const auto list = [&](ObjectId body) {
+    const auto same = [&](const FluidCarrier& c) { return c.body == body; };
+    if (body && impl_->objects.alive(body) && std::none_of(out.begin(), out.end(), same))
+      out.push_back({.body = body, .pose = {}});
+  };
+  for (const FluidEmitter& e : impl_->emitters) list(e.body);
+  for (const FluidDrain& d : impl_->drains) list(d.body);
+}
+
+void Fluid::carry(std::span<const FluidCarrier> carriers) {
+  for (const FluidCarrier& c : carriers) {
+    for (FluidEmitter& e : impl_->emitters) {
+      if (e.body != c.body) continue;
+      e.position = to_world(c.pose, e.local_position);
+      e.direction = normalized_or(rotate(c.pose.rotation, e.local_direction), e.direction);
+      e.angular_velocity = c.angular_velocity;
+      e.velocity = c.velocity + cross(c.angular_velocity, Vec3(e.position - c.center));
+    }
+    for (FluidDrain& d : impl_->drains)
+      if (d.body == c.body) d.pose = c.pose * d.local;
+  }
+}
+
+void Fluid::Impl::stop_lost_sources(StepContext& c) {
+  std::string message;
+  ObjectId first;
+  const auto stops = [&](ObjectId source, ObjectId& body) {
+    if (!body || objects.alive(body)) return false;
+    const std::string& where = objects.destroyed_at(body);
+    message += (message.empty() ? "" : "; ") + objects.describe(source) + " stops: " + objects.describe(body) +
+               ", which it rode on, was destroyed" + (where.empty() ? "" : " at " + where);
+    if (!first) first = source;
+    body = {};
+    return true;
+  };
+  for (FluidEmitter& e : emitters)
+    if (stops(e.object, e.body)) e.running = 0, e.done = 1;
+  for (FluidDrain& d : drains)
+    if (stops(d.object, d.body)) d.stopped = 1;
+  if (!message.empty()) c.events->warn("source_lost", message + "; destroy it as well, or make another one", first);
 }
 
 void Fluid::Impl::emit(StepContext& c) {
@@ -152,12 +206,17 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
   // sites are enumerated each time: no memory of their own
   const std::uint64_t count = site_count(e, p);
   FEDER_ASSERT(count > 0);  // the middle of the nozzle is one
+  std::uint64_t early = 0;  // in the first half of a layer
+  each_site(e, p, [&](const Vec3&, bool late) {
+    early += !late;
+    return !late;
+  });
   // order of sites: steps of about the golden ratio of their number, made coprime to it, spread them evenly
   std::uint64_t stride = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(0.618 * static_cast<double>(count)));
   while (std::gcd(stride, count) != 1) ++stride;
   const auto site = [&](std::uint64_t number) {
     Vec3 found = Vec3::Zero();
-    each_site(e, p, [&](const Vec3& offset) {
+    each_site(e, p, [&](const Vec3& offset, bool) {
       found = offset;
       return number-- > 0;
     });
@@ -166,8 +225,7 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
   const double layer = static_cast<double>(d) / static_cast<double>(e.speed);
   const auto due = [&](std::uint64_t k) {
     if (e.rate > 0) return static_cast<double>(k) / static_cast<double>(e.rate);
-    const std::uint64_t full_layers = k / count;
-    return static_cast<double>(full_layers) * layer;
+    return (static_cast<double>(k / count) + (k % count < early ? 0 : 0.5)) * layer;
   };
   // particles due in this substep, while there is room
   const double until = e.clock + static_cast<double>(c.h);
@@ -186,7 +244,9 @@ void Fluid::Impl::run_emitter(FluidEmitter& e, StepContext& c) {
     const std::uint64_t number = e.rate > 0 ? e.made % count * stride % count : e.made % count;
     FEDER_ASSERT(number < count);
     const Real behind = static_cast<Real>((due(e.made) - e.clock) * static_cast<double>(e.speed));
-    p.add(e.position + site(number) - behind * e.direction, e.speed * e.direction);
+    const Vec3 aside = site(number);
+    p.add(e.position + aside - behind * e.direction,
+          e.speed * e.direction + e.velocity + cross(e.angular_velocity, aside));
     ++e.made;
   }
   e.clock = until;

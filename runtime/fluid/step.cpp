@@ -36,6 +36,7 @@ void Fluid::Impl::kill(StepContext&) {
 
 void Fluid::Impl::drain(StepContext& c) {
   for (FluidDrain& d : drains) {
+    if (d.stopped) continue;
     FluidPool& p = pool(d.fluid);
     FEDER_ASSERT(d.shape < shapes.size() && shapes[d.shape]);
     const Shape& shape = *shapes[d.shape];

@@ -130,6 +130,31 @@ TEST_CASE("emitters stop, start and end; drains count", "[lua][fluid]") {
          "test.lua:19: emitter:stop: emitter \"hose\" was destroyed at test.lua:17\n");
 }
 
+TEST_CASE("emitters and drains ride on bodies", "[lua][fluid]") {
+  CHECK(output_of(kWater + R"(
+    world:set_gravity(0, 0, 0)
+    local cart = world:body{ name = "cart", type = "kinematic", shape = feder.box(0.1, 0.1, 0.1), velocity = {6, 0, 0} }
+    local hose = water:emitter{ name = "hose", body = cart, position = {0, 1, 0}, direction = {0, 1, 0}, speed = 3,
+      radius = 0 }
+    local mouth = water:drain{ body = cart, box = { {-0.2, 1.5, -0.2}, {0.2, 2, 0.2} } }
+    world:on("warning", function(e) print(e.code, e.object:name(), e.message) end)
+    world:step(30)
+    local v, x = water:velocities(), water:positions()
+    print(("%.2f %.2f %.2f"):format(v[1], v[2], x[1] - cart:position()))
+    print(hose:count() > 12, mouth:count() > 5)
+    cart:destroy()
+    world:step(2)
+    print(hose:running())
+    print(select(2, pcall(water.emitter, water, { body = cart })))
+    print(select(2, pcall(water.drain, water, { body = water, box = { {0, 0, 0}, {1, 1, 1} } })))
+  )") == "6.00 3.00 0.00\ntrue\ttrue\n"
+         "source_lost\those\temitter \"hose\" stops: body \"cart\", which it rode on, was destroyed at test.lua:12; "
+         "drain #3 stops: body \"cart\", which it rode on, was destroyed at test.lua:12; destroy it as well, or make "
+         "another one\nfalse\n"
+         "test.lua:15: fluid:emitter.body: body \"cart\" was destroyed at test.lua:12\n"
+         "test.lua:16: fluid:drain.body: expected a body, got fluid \"water\"\n");
+}
+
 TEST_CASE("a region says when the first particle comes and the last has left", "[lua][fluid]") {
   CHECK(output_of(kWater + R"(
     world:set_gravity(0, 0, 0)

@@ -48,7 +48,7 @@ TEST_CASE("every method of a system that changes it is a command", "[record][com
       "descriptor",  "add_passes", "load",        "held",    "drive",     "colliders",  "contacts",
       "raycast",     "boundary",   "raycast_all", "overlap", "densities", "shape_cast", "clear_contact_states",
       "forget",      "removed",    "set_load",    "pool_at", "surface",   "pressures",  "density_error",
-      "pressure_at", "height_at",  "set_impact",  "push",    "sample",    "clumping"};
+      "pressure_at", "height_at",  "set_impact",  "push",    "sample",    "clumping",   "carry"};
   struct Header {
     const char *file, *system;
   };

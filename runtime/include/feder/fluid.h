@@ -66,6 +66,7 @@ struct FluidDesc {
 struct EmitterDesc {
   std::string name;
   TagMask tags = 0;
+  ObjectId body;                 // that it rides on, or none: position and direction are then in the body's frame
   Vec3 position = Vec3::Zero();  // of the nozzle's middle, m
   Vec3 direction = Vec3(0, -1, 0);
   Real speed = 1;           // m/s
@@ -75,8 +76,17 @@ struct EmitterDesc {
 
   template <class D, class F>
   static void each_field(D& d, F&& f) {
-    f(d.name), f(d.tags), f(d.position), f(d.direction), f(d.speed), f(d.radius), f(d.rate), f(d.limit);
+    f(d.name), f(d.tags), f(d.body), f(d.position), f(d.direction), f(d.speed), f(d.radius), f(d.rate), f(d.limit);
   }
+};
+
+// A body that emitters and drains ride on, for the coupling that knows bodies.
+struct FluidCarrier {
+  ObjectId body;
+  Pose pose;                             // of its frame
+  Vec3 center = Vec3::Zero();            // of mass, m
+  Vec3 velocity = Vec3::Zero();          // of the centre, m/s
+  Vec3 angular_velocity = Vec3::Zero();  // rad/s
 };
 
 // A fluid at a point, see Fluid::sample; zero where no particle is near.
@@ -124,13 +134,15 @@ class Fluid final : public System {
   std::size_t fill(ObjectId fluid, const Shape& shape, const Pose& pose, const Vec3& velocity);
   std::size_t fill(ObjectId fluid, std::span<const Vec3> points, const Vec3& velocity);
   ObjectId add_emitter(ObjectId fluid, const EmitterDesc& desc);
-  ObjectId add_drain(ObjectId fluid, std::string name, TagMask tags, ShapePtr shape, const Pose& pose);
+  // With a body the pose is in its frame.
+  ObjectId add_drain(ObjectId fluid, std::string name, TagMask tags, ShapePtr shape, const Pose& pose,
+                     ObjectId body = {});
   void destroy_emitter(ObjectId emitter, std::string where);
   void destroy_drain(ObjectId drain, std::string where);
   void set_running(ObjectId emitter, bool running);
   bool running(ObjectId emitter) const;
-  std::uint64_t passed(ObjectId source) const;  // emitted, or drained, so far
-  void aim(ObjectId emitter, const Vec3& position, const Vec3& direction);
+  std::uint64_t passed(ObjectId source) const;                              // emitted, or drained, so far
+  void aim(ObjectId emitter, const Vec3& position, const Vec3& direction);  // in the frame of its body, if it has one
 
   // Queries; particles in the order of their making. Those that need neighbours and the boundary (from densities on)
   // are asked of World::query<Fluid>().
@@ -165,6 +177,10 @@ class Fluid final : public System {
 
   // For couplings: the boundary of the coming substep, filled before the fluid's passes, and before queries.
   Boundary& boundary();
+  // Bodies that sources ride on: appended, once each. The sources move with them; what they add has the velocity of the
+  // body where it leaves the nozzle. They do not push back.
+  void list_carriers(Array<FluidCarrier>& out) const;
+  void carry(std::span<const FluidCarrier> carriers);
   // Bodies that particles were in contact with since clear_contact_states: appended, by fluid, then body.
   void clear_contact_states();
   void list_contact_states(Array<FluidContactState>& out) const;
