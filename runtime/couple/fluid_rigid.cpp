@@ -6,9 +6,11 @@
 // fluid within an iteration, its contacts with other bodies only within a substep.
 #include "couple/fluid_rigid.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "couple/coupling.h"
+#include "feder/params.h"
 #include "fluid/pool.h"
 #include "state/bodies.h"
 
@@ -39,6 +41,7 @@ void FluidRigid::add_passes(StepPlan& plan) {
   contacts_.use();
   using F = FluidRigid;
   plan.add<&F::collect>(Rank::boundary_list, "list boundary", kName, this);
+  compared_.clear();
   carriers_.clear();
   fluid_.list_carriers(carriers_);
   if (!carriers_.empty()) {
@@ -131,7 +134,36 @@ void FluidRigid::give_velocities(StepContext&) {
   }
 }
 
-void FluidRigid::collect(StepContext&) {
+void FluidRigid::compare_densities(StepContext& c) {
+  const Bodies& b = rigid_.bodies();
+  if (compared_.size() < b.size()) compared_.resize(b.size());
+  for (std::uint32_t i = 0; i < b.size(); ++i) {
+    const ObjectId body = b.object[i];
+    if (compared_[i] == body || b.type[i] != BodyType::dynamic) continue;
+    compared_[i] = body;
+    if (std::count(warned_.begin(), warned_.end(), body)) continue;
+    Real volume = 0;
+    for (std::uint32_t k = b.first_collider[i]; k != kNone; k = colliders_.next_of_body[k])
+      if (!colliders_.sensor[k]) volume += colliders_.shape[k]->mass(1).mass;
+    if (!(volume > 0)) continue;
+    const Real density = b.mass[i] / volume;
+    for (std::size_t n = 0; n < fluid_.pool_count(); ++n) {
+      const FluidPool& p = fluid_.pool_at(n);
+      if (std::max(density / p.desc.density, p.desc.density / density) <= kMaxDensityRatio) continue;
+      c.events->warn("density_ratio",
+                     objects_.describe(body) + " has a density of " + print_value(density) + " kg/m3, " +
+                         objects_.describe(p.object) + " of " + print_value(p.desc.density) +
+                         ": a ratio of more than " + print_value(kMaxDensityRatio) +
+                         " throws the lighter one about; bring the densities nearer to each other",
+                     body);
+      warned_.push_back(body);
+      break;
+    }
+  }
+}
+
+void FluidRigid::collect(StepContext& c) {
+  compare_densities(c);
   list_boundary();
   mismatch_ = given_ = pushed_ = 0;
   fluid_.clear_contact_states();

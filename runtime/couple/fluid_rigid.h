@@ -40,6 +40,7 @@ class FluidRigid final : public System {
   void compare_impulses(const Vec3& gravity_seconds);
 
   // Passes.
+  void compare_densities(StepContext& c);  // of bodies that are new, and fluids
   void collect(StepContext& c);
   void carry_emitters(StepContext& c);
   void carry_drains(StepContext& c);
@@ -68,6 +69,8 @@ class FluidRigid final : public System {
   Array<FluidCarrier> carriers_{&arena_};             // bodies that emitters and drains ride on
   Array<Inside> inside_{&arena_};                     // of this step
   Array<FluidContactState> fluid_contacts_{&arena_};  // of this step, by fluid, then body
+  Array<ObjectId> compared_{&arena_};                 // by body: whose density has been compared with the fluids'
+  Array<ObjectId> warned_{&arena_};                   // bodies of which there was a warning
   double before_[3] = {0, 0, 0};                      // momentum of the fluids when the boundary was placed, kg m/s
   double mismatch_ = 0, given_ = 0;                   // N s, of the last step: largest of a substep, and sum
   double pushed_ = 0;                                 // N s, on bodies that move

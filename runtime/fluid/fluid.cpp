@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/rng.h"
+#include "feder/params.h"
 #include "fluid/boundary.h"
 #include "fluid/impl.h"
 #include "step/watch.h"
@@ -106,6 +107,10 @@ void Fluid::add_passes(StepPlan& plan) {
   const bool kills =
       std::any_of(m->pools.begin(), m->pools.end(), [](const auto& p) { return p->desc.kill_height > -kInfinity; });
   if (kills) plan.add<&Impl::kill>(Rank::fluid_drain, "kill height", kName, m);
+  const auto& first = m->pools.front()->desc;
+  if (std::any_of(m->pools.begin(), m->pools.end(),
+                  [&](const auto& p) { return p->desc.spacing != first.spacing || p->desc.density != first.density; }))
+    plan.add<&Impl::check_fluids_that_meet>(Rank::check, "check fluids that meet", kName, m);
   plan.add<&Impl::check>(Rank::check, "check fluids", kName, m);
 }
 
@@ -157,6 +162,10 @@ std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const
   for (int k = 0; k < 3; ++k) {
     const double size = static_cast<double>(box.hi[k]) - static_cast<double>(box.lo[k]);
     if (!(size < 1e9)) throw SceneError("fluid: fill: expected a shape of finite size");
+    if (size < 0.99 * d && !(k == 2 && p.dimension == 2))
+      throw SceneError("fluid: fill: the shape is " + print_value(static_cast<float>(size)) + " m wide along " +
+                       "xyz"[k] + ", narrower than the spacing of " + print_value(p.desc.spacing) +
+                       " m: take a smaller spacing or a larger shape");
     const double n = k == 2 && p.dimension == 2 ? 1 : std::max(1.0, std::floor(size / d + 0.01));
     total *= n;
     if (total > 2e9)

@@ -125,6 +125,9 @@ struct Fluid::Impl {
   void watch(FluidPool& p, double square, StepContext& c);  // square: sum of the squared speeds, m^2/s^2
   void suspect(const FluidPool& p);
   void run_emitter(FluidEmitter& e, StepContext& c);
+  // misfits.cpp
+  void check_fluids_that_meet(StepContext& c);
+  void check_room(FluidPool& p, StepContext& c);
   void stop_lost_sources(StepContext& c);  // those whose body is no more
 
   struct PairCount {

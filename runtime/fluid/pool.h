@@ -64,6 +64,7 @@ struct FluidPool {
   std::uint32_t group = 0;  // in the loop of fluid substeps of this substep; work
   bool fresh = false;       // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
+  bool warned_spacing = false, warned_density = false;  // of another fluid that it touches
 
   // For the watchdog; `kinetic` includes particles added since.
   double kinetic = 0, kinetic_before = 0;  // J: at the end of the last step, at the start of the step
@@ -152,6 +153,9 @@ struct FluidPool {
 
   bool meets(const BoundaryShape& w) const { return (desc.group & w.mask) && (w.group & desc.mask); }
 };
+
+// Of a fluid over that of another or of a body, or the other way round.
+inline constexpr Real kMaxDensityRatio = 10000;
 
 // Particles per job, with sums over neighbours and without.
 inline constexpr JobGrain kFluidGrain{512, 30'000}, kParticleGrain{2048, 8'000};

@@ -89,6 +89,7 @@ void Fluid::Impl::relax(StepContext& c) {
       std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
       p.find_contacts(*c.jobs, boundary, 0, c.gravity, true);
       const Real most = excess_of(p, *c.jobs);
+      if (round == 0) check_room(p, c);
       if (round == 0 && most > kHopeless)
         c.events->warn("fluid_crowded",
                        objects.describe(p.object) + ": new particles lie on each other, " +

@@ -204,6 +204,10 @@ TEST_CASE("bad input is refused and changes nothing", "[fluid]") {
     e.rate = 0, e.radius = radius;
     CHECK_THROWS_WITH(f.add_emitter(id, e), Catch::Contains("max_particles"));
   }
+  // no room for a single particle along one axis
+  CHECK_THROWS_WITH(f.fill(id, *make_box(1, Real(0.02), 1), Pose{}, Vec3::Zero()),
+                    Catch::Contains("0.02 m wide along y, narrower than the spacing of 0.05 m: take a smaller"));
+  CHECK_THROWS_WITH(f.fill(id, *make_sphere(Real(0.01)), Pose{}, Vec3::Zero()), Catch::Contains("narrower than"));
   CHECK_THROWS_WITH(f.fill(id, *make_box(20, 20, 20), Pose{}, Vec3::Zero()), Catch::Contains("max_particles"));
   w.step();
   CHECK(w.is_finite());

@@ -199,6 +199,10 @@ TEST_CASE("mistakes name what was expected, and leave the world as it was", "[lu
   CHECK(error_of("world:fluid{ wall_slip = 'some' }").find("world:fluid.wall_slip: ") != std::string::npos);
   CHECK(error_of("world:fluid{ wall_slip = 'some' }").find("none, free") != std::string::npos);
   CHECK(output_of("print(world:fluid{ wall_slip = 'free', viscosity = 1 }:kind())") == "fluid\n");
+  CHECK(error_of(kWater + "\nwater:fill{ box = { {0, 0, 0}, {1, 0.05, 1} } }") ==
+        "test.lua:2: fluid:fill: fluid: fill: the shape is 0.05 m wide along y, narrower than the spacing of 0.1 m: "
+        "take a smaller "
+        "spacing or a larger shape");
   CHECK(error_of("world:fluid{ kernel = 'gauss' }").find("known: cubic, wendland, poly6_spiky") != std::string::npos);
   CHECK(error_of("world:fluid{ neighbors = 'octree' }").find("known: grid") != std::string::npos);
   CHECK(error_of("world:fluid{ viscosity = 1, kinematic_viscosity = 1 }").find("got both") != std::string::npos);
