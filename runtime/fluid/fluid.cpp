@@ -14,6 +14,9 @@
 namespace feder {
 namespace {
 
+// Of the spacing, along each axis of a shape that is filled: one layer in less would weigh more than a third too much.
+constexpr double kLeastWidth = 0.75;
+
 void check_desc(const FluidDesc& d) {
   const Need need{"fluid"};
   need(d.spacing > 0 && is_finite(d.spacing), "spacing", "a finite number above 0", d.spacing);
@@ -158,14 +161,16 @@ std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const
   // cells along each axis, and the middle of the first
   int cells[3];
   Vec3 first;
-  double total = 1;
+  double total = 1, narrowest = d;
   for (int k = 0; k < 3; ++k) {
     const double size = static_cast<double>(box.hi[k]) - static_cast<double>(box.lo[k]);
     if (!(size < 1e9)) throw SceneError("fluid: fill: expected a shape of finite size");
-    if (size < 0.99 * d && !(k == 2 && p.dimension == 2))
+    const bool counts = k < p.dimension;
+    if (counts && size < kLeastWidth * d)
       throw SceneError("fluid: fill: the shape is " + print_value(static_cast<float>(size)) + " m wide along " +
                        "xyz"[k] + ", narrower than the spacing of " + print_value(p.desc.spacing) +
                        " m: take a smaller spacing or a larger shape");
+    if (counts && size < 0.99 * d) narrowest = std::min(narrowest, size);
     const double n = k == 2 && p.dimension == 2 ? 1 : std::max(1.0, std::floor(size / d + 0.01));
     total *= n;
     if (total > 2e9)
@@ -187,7 +192,9 @@ std::size_t Fluid::fill(ObjectId id, const Shape& shape, const Pose& pose, const
           throw SceneError("fluid: fill: expected at most max_particles = " + std::to_string(p.desc.max_particles) +
                            ", the shape holds more, beside " + std::to_string(p.count) + " that are there");
       }
-  return fill(id, points, velocity);
+  const std::size_t made = fill(id, points, velocity);
+  if (narrowest < d && made > 0) p.filled_width = static_cast<Real>(narrowest);
+  return made;
 }
 
 std::size_t Fluid::fill(ObjectId id, std::span<const Vec3> points, const Vec3& velocity) {

@@ -134,8 +134,9 @@ struct Fluid::Impl {
     std::uint64_t close = 0, all = 0;  // closer than half a spacing; within the support
     double share() const { return all > 0 ? static_cast<double>(close) / static_cast<double>(all) : 0; }
   };
-  // sample.cpp, for queries: finds the lists at the present positions.
-  PairCount pairs_of(FluidPool& p);
+  // sample.cpp, for queries at the present positions. Pairs of at most about `most` particles, evenly taken.
+  PairCount pairs_of(FluidPool& p, std::uint32_t most = kPairSample);
+  static constexpr std::uint32_t kPairSample = 4096;  // of residuals, which are asked often
   void refresh_near(FluidPool& p, const Vec3& at, const std::vector<std::uint32_t>& wanted);
   void refresh(FluidPool& p);  // lists, contacts and density ratios at the present positions, for queries
   std::vector<std::uint32_t> by_id(const FluidPool& p) const;

@@ -71,6 +71,13 @@ void Fluid::Impl::check_fluids_that_meet(StepContext& c) {
 
 // After contacts have been found. Most of a new fluid lies between walls that are nearer to each other than particles.
 void Fluid::Impl::check_room(FluidPool& p, StepContext& c) {
+  if (p.filled_width > 0)
+    c.events->warn("fluid_narrow",
+                   objects.describe(p.object) + " with a spacing of " + print_value(p.desc.spacing) +
+                       " m was filled into a shape that is " + print_value(p.filled_width) +
+                       " m wide: one layer there weighs more than the shape holds; take a smaller spacing",
+                   p.object);
+  p.filled_width = 0;
   std::uint32_t squeezed = 0;
   Real narrowest = kInfinity;
   for (std::uint32_t i = 0; i < p.count; ++i) {

@@ -64,6 +64,7 @@ struct FluidPool {
   std::uint32_t group = 0;  // in the loop of fluid substeps of this substep; work
   bool fresh = false;       // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
+  Real filled_width = 0;  // m, of a fill since the last step that was narrower than the spacing; 0: none
   bool warned_spacing = false, warned_density = false;  // of another fluid that it touches
 
   // For the watchdog; `kinetic` includes particles added since.

@@ -202,20 +202,33 @@ FluidFlux Fluid::flux(ObjectId id, const Vec3& lo, const Vec3& hi) const {
   return out;
 }
 
-Fluid::Impl::PairCount Fluid::Impl::pairs_of(FluidPool& p) {
+// By cells, not by the lists of the solvers: those are longer than this needs, and made for all particles.
+Fluid::Impl::PairCount Fluid::Impl::pairs_of(FluidPool& p, std::uint32_t most) {
   PairCount n;
   if (p.count == 0) return n;
-  p.put_sentinel();
-  p.find_neighbors(one_thread, 0);
-  const Real close2 = p.desc.spacing * p.desc.spacing / 4;
-  for (std::uint32_t i = 0; i < p.count; ++i)
-    for (const std::uint32_t j : p.lists.row(i)) {
-      const Vec3 apart = p.x[i].vec() - p.x[j].vec();
-      ++n.all, n.close += dot(apart, apart) < close2;
+  p.grid.sort({&p.x[0].x, 4 * std::size_t(p.count)}, p.support, p.order);
+  const Real close2 = p.desc.spacing * p.desc.spacing / 4, near2 = p.support * p.support;
+  const std::uint32_t stride = (p.count - 1) / most + 1;
+  for (std::uint32_t i = 0; i < p.count; i += stride) {
+    const Vec3 x = p.x[i].vec();
+    int from[3], to[3];
+    for (int k = 0; k < 3; ++k) {
+      const int cell = p.grid.coordinate(k, x[k]);
+      from[k] = std::max(cell - 1, 0), to[k] = std::min(cell + 1, p.grid.cells(k) - 1);
     }
+    for (int z = from[2]; z <= to[2]; ++z)
+      for (int y = from[1]; y <= to[1]; ++y)
+        for (std::uint32_t at = p.grid.first(from[0], y, z); at < p.grid.last(to[0], y, z); ++at) {
+          const std::uint32_t j = p.order[at];
+          const Vec3 apart = x - p.x[j].vec();
+          const Real square = dot(apart, apart);
+          if (j == i || !(square < near2)) continue;
+          ++n.all, n.close += square < close2;
+        }
+  }
   return n;
 }
 
-double Fluid::clumping(ObjectId id) { return impl_->pairs_of(impl_->pool(id)).share(); }
+double Fluid::clumping(ObjectId id) { return impl_->pairs_of(impl_->pool(id), kNone).share(); }
 
 }  // namespace feder

@@ -87,6 +87,16 @@ TEST_CASE("a ratio of a million between densities is warned of once", "[fluid][m
   }
 }
 
+TEST_CASE("a fill that is a little narrower than the spacing is warned of once", "[fluid][misfits]") {
+  World w(fluid_world(), fluid_catalog());
+  add_water(w, named("water", Real(0.1), 1000), vec3(1, Real(0.08), 1));
+  const auto warned = told(w, "fluid_narrow", 5);
+  REQUIRE(warned.size() == 1);
+  CHECK(warned[0].find("fluid \"water\" with a spacing of 0.1 m was filled into a shape that is 0.08 m wide: ") == 0);
+  add_water(w, named("more", Real(0.1), 1000), vec3(1, Real(0.1), 1), vec3(0, 3, 0));
+  CHECK(told(w, "fluid_narrow", 5).empty());
+}
+
 TEST_CASE("a tank that is narrower than the spacing is warned of", "[fluid][misfits]") {
   const bool narrow = GENERATE(true, false);
   World w(fluid_world(2), fluid_catalog());
