@@ -1,13 +1,12 @@
-// Divergence-free SPH: two solves in a solver substep, in the spirit of Bender & Koschier ("Divergence-Free SPH for
-// Incompressible and Viscous Fluids", TVCG 2017), each to the tolerance of the fluid. Differences:
+// Divergence-free SPH, in the spirit of Bender & Koschier ("Divergence-Free SPH for Incompressible and Viscous Fluids",
+// TVCG 2017), to the tolerance of the fluid. Differences:
 //  - velocities are kept from making the fluid denser than at rest: the one solve that pressure comes from. Its
 //    multipliers go on from those of the last substep (new particles begin at 0). What a substep adds to the density in
 //    second order, the next one takes back: positions then keep to rest density as those of a constrained mechanical
-//    system do (SHAKE: Ryckaert, Ciccotti & Berendsen 1977), and waves keep their energy. Solved after each substep
-//    anew, with a correction of positions beside it, a slosh loses two to three times as much;
-//  - what is too dense by more than 1 % (new particles, blows) is taken out by displacements that no velocity feels,
-//  nor
-//    any body;
+//    system do (SHAKE: Ryckaert, Ciccotti & Berendsen 1977), and waves keep their energy. A second solve, of positions
+//    alone, in each substep costs waves more: it lifts what the first lets sink, and that falls as noise;
+//  - only what is too dense by more than 1 % (new particles, blows) is taken out by displacements, which no velocity
+//    feels, nor any body;
 //  - at the free surface, particles lack neighbours and would sink together until they are as dense as the rest; the
 //    share of the kernel that lies in the air follows from the gradient of the density (BoundaryTable::air) and is
 //    counted as fluid;
@@ -15,8 +14,9 @@
 //  - conjugate gradients with bounds (pressure_system.h) in place of Jacobi steps.
 // Bodies are part of the system: their masses are in it, and they move with every iteration.
 // Kept between calls: the multipliers, in FluidPool::lambda, kg m^2/s; over h V they are the pressure. Weak spots:
-// still water keeps a noise of some 3 cm/s; with the kernel "cubic" waves lose twice as much as with "wendland"
-// (tests/fluid/test_waves.cpp); pressure does not pull.
+// particles of still water never come to rest (tests/fluid/test_still_water.cpp says how fast they are); waves are
+// measured with the kernel "wendland" (tests/fluid/test_waves.cpp), "cubic" shortens their period; pressure does not
+// pull.
 #include <algorithm>
 #include <cmath>
 #include <string>

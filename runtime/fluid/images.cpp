@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "fluid/pool.h"
 
@@ -13,7 +14,7 @@ constexpr Real kOtherSide =
     Real(-0.25);  // spacings: a particle farther behind the plane is on the other side of a solid
 constexpr Real kNearlyOne = Real(0.9999);  // of squared distances over the support's
 
-// Factors of the kernel, and what the images of a pool are computed from.
+// What the images of a pool are computed from.
 struct ImageGeometry {
   const FluidPool& p;
   Real inv_r2, value_unit, slope_unit;
@@ -65,22 +66,17 @@ void BoundaryImages::build(const FluidPool& p, const Boundary& boundary, JobPool
   if (of_.size() < p.count) of_.resize(p.id.size());
   if (pushes_.size() < contacts) pushes_.resize(contacts + contacts / 4);
 
-  // how many there are; the planes of the others decide for the way back
+  // how many there are
   jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) {
-      std::uint32_t n = 0, back = 0;
+      std::uint32_t n = 0;
       for (const BoundaryContact& k : p.contacts_of(i))
         images.each(i, k, [&](std::uint32_t j, const BoundaryContact*, Real) { n += j != i; });
-      first_[i] = n, back_first_[i] = back;
+      first_[i] = n, back_first_[i] = 0;
     }
   });
-  std::uint32_t total = 0;
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    const std::uint32_t n = first_[i];
-    first_[i] = total;
-    total += n;
-  }
-  first_[p.count] = total;
+  std::exclusive_scan(first_.begin(), first_.begin() + p.count + 1, first_.begin(), 0u);
+  const std::uint32_t total = first_[p.count];
   if (terms_.size() <= total) terms_.resize(total + total / 4 + 1), back_.resize(total + total / 4 + 1);
 
   jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
@@ -123,12 +119,8 @@ void BoundaryImages::build(const FluidPool& p, const Boundary& boundary, JobPool
 
   // the same terms by the other particle, in the order of the first
   for (std::uint32_t n = 0; n < total; ++n) ++back_first_[terms_[n].other];
-  std::uint32_t sum = 0;
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    sum += back_first_[i];
-    back_first_[i] = sum;  // ends, for now
-  }
-  back_first_[p.count] = sum;
+  back_first_[p.count] = 0;
+  std::inclusive_scan(back_first_.begin(), back_first_.begin() + p.count + 1, back_first_.begin());  // ends, for now
   for (std::uint32_t i = p.count; i-- > 0;)
     for (std::uint32_t n = first_[i + 1]; n-- > first_[i];) {
       Term& back = back_[--back_first_[terms_[n].other]];

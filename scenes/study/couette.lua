@@ -34,13 +34,8 @@ local function reference(t) return { expected(0.25, t), expected(0.5, t), expect
 
 -- Mean speed of the particles in the bands about the three heights, far from the ends.
 local function observe()
-  local x, v = water:positions(), water:velocities()
   local function mean(y)
-    local sum, n = 0, 0
-    for i = 1, #x, 3 do
-      if math.abs(x[i] - long / 2) <= 0.6 and math.abs(x[i + 1] - y) <= band then sum, n = sum + v[i], n + 1 end
-    end
-    return n > 0 and sum / n / plate or 0
+    return problem.band_speed(water, long / 2, y, band, function(height) return height end) / plate
   end
   return { mean(0.25), mean(0.5), mean(0.75) }
 end

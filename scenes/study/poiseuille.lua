@@ -34,17 +34,11 @@ local function reference(t) return { expected(0.5, t), expected(0.25, t), 0 } en
 
 -- Mean speed of the middle particles in the bands about the middle and a quarter (or as far from the other plate).
 local function observe()
-  local x, v, middle = water:positions(), water:velocities(), 0
+  local x, middle = water:positions(), 0
   local count = #x // 3
   for i = 1, #x, 3 do middle = middle + x[i] / count end
-  local function mean(y)
-    local sum, n = 0, 0
-    for i = 1, #x, 3 do
-      local wall = math.min(x[i + 1], 1 - x[i + 1])
-      if math.abs(x[i] - middle) <= 0.6 and math.abs(wall - y) <= band then sum, n = sum + v[i], n + 1 end
-    end
-    return n > 0 and sum / n / last or 0
-  end
+  local function from_wall(height) return math.min(height, 1 - height) end
+  local function mean(y) return problem.band_speed(water, middle, y, band, from_wall) / last end
   return { mean(0.5), mean(0.25), 0 }
 end
 

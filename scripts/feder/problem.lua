@@ -93,7 +93,8 @@ function problem.fluid(particles, t_end)
     spacing = 1 / feder.param("particles", particles,
       { min = 5, max = 400, step = 1, help = "across the length that the problem is about" }),
     stiffness = feder.param("stiffness", 0, { min = 0, max = 1e12, help = "bulk modulus for pbf, Pa; 0: as stiff as it can" }),
-    compression = feder.param("compression", 0.01, { min = 1e-4, max = 0.2, help = "that wcsph aims at; dfsph at a tenth of it on average" }),
+    compression = feder.param("compression", 0.01, { min = 1e-4, max = 0.2,
+      help = "that wcsph aims at; dfsph at a tenth of it on average" }),
     kernel = feder.param("kernel", kernels[1], { choices = kernels, help = "by which particles weigh their neighbours" }),
     support = feder.param("support", 0, { min = 0, max = 4, help = "its radius in spacings; 0: as the kernel proposes" }),
     iterations = feder.param("iterations", 4, { min = 1, max = 1000, step = 1, help = "of pbf in a substep" }),
@@ -141,6 +142,15 @@ function problem.tank(world, width)
   world:body { type = "static", shape = feder.plane(0, 1, 0, 0) }
   world:body { type = "static", shape = feder.plane(1, 0, 0, 0) }
   if width then world:body { type = "static", shape = feder.plane(-1, 0, 0, -width) } end
+end
+
+-- Mean speed along x of the particles within `band` of y, by height(y of a particle), and 0.6 m of `middle` along x.
+function problem.band_speed(water, middle, y, band, height)
+  local x, v, sum, n = water:positions(), water:velocities(), 0, 0
+  for i = 1, #x, 3 do
+    if math.abs(x[i] - middle) <= 0.6 and math.abs(height(x[i + 1]) - y) <= band then sum, n = sum + v[i], n + 1 end
+  end
+  return n > 0 and sum / n or 0
 end
 
 -- The damped swing e^(-rate t) (c cos(w t) + s sin(w t)) next to values at times, by least squares: w and rate, 1/s.

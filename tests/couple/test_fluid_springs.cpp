@@ -22,16 +22,26 @@ TEST_CASE("a blob hits a free net: momentum and angular momentum are kept", "[co
   });
 }
 
-TEST_CASE("no particle passes the faces of a pinned net", "[couple][fluid][springs]") {
-  const double speed = GENERATE(1.0, 10.0, 20.0);
-  World w(WorldDesc{}, mixed_catalog());
-  Fluid& fluid = w.need<Fluid>();
-  Springs& springs = w.need<Springs>();
+namespace {
+
+// A mat of 1 m whose rim is held.
+ObjectId add_pinned_mat(Springs& springs) {
   const ObjectId net = springs.add_net(mat(11, 1, 10, 4000));
   for (std::size_t i = 0; i < springs.point_count(net); ++i) {
     const Vec3 x = springs.point(net, i);
     if (std::fabs(x[0]) > Real(0.49) || std::fabs(x[2]) > Real(0.49)) springs.pin(net, i);
   }
+  return net;
+}
+
+}  // namespace
+
+TEST_CASE("no particle passes the faces of a pinned net", "[couple][fluid][springs]") {
+  const double speed = GENERATE(1.0, 10.0, 20.0);
+  World w(WorldDesc{}, mixed_catalog());
+  Fluid& fluid = w.need<Fluid>();
+  Springs& springs = w.need<Springs>();
+  const ObjectId net = add_pinned_mat(springs);
   const ObjectId id = fluid.add_fluid(FluidDesc{});
   fluid.fill(id, block(4, 4, 4, Real(0.05), Vec3(Real(0.013), Real(0.3), Real(0.027))),
              Vec3(0, static_cast<Real>(-speed), 0));
@@ -101,11 +111,7 @@ TEST_CASE("fluid that lies on a net stays in contact", "[couple][fluid][springs]
   World w(WorldDesc{}, mixed_catalog());
   Springs& springs = w.need<Springs>();
   Fluid& fluid = w.need<Fluid>();
-  const ObjectId net = springs.add_net(mat(11, 1, 10, 4000));
-  for (std::size_t i = 0; i < springs.point_count(net); ++i) {
-    const Vec3 x = springs.point(net, i);
-    if (std::fabs(x[0]) > Real(0.49) || std::fabs(x[2]) > Real(0.49)) springs.pin(net, i);
-  }
+  add_pinned_mat(springs);
   const ObjectId id = fluid.add_fluid(FluidDesc{});
   fluid.fill(id, block(6, 2, 6, Real(0.05), Vec3(0, Real(0.1), 0)), Vec3::Zero());
   int begins = 0, ends = 0;

@@ -19,6 +19,7 @@ struct StillWaterResult {
   double speed = 0;     // largest speed once calm, by what is allowed: max(0.2 sqrt(g H), 2 g h of the inner substep)
   double burst = -1;    // s, when either first went beyond; -1: never
   double warned = -1;   // s, of the first warning
+  double noise = 0;     // m/s, largest root mean square of the speeds once calm
   double excess = 0;    // mean over particles and the last half of the time of max(0, density ratio - 1)
   double per_step = 0;  // inner substeps in a substep of the world, mean
   bool burst_unwarned() const { return burst >= 0 && (warned < 0 || warned > burst); }
@@ -56,11 +57,16 @@ inline StillWaterResult run_still_water(const StillWater& s) {
     double top = 0, speed = 0;
     for (const Vec3& x : places(w, id)) top = std::max(top, std::isfinite(x[1]) ? static_cast<double>(x[1]) : 1e9);
     f.velocities(id, v);
-    for (const Vec3& u : v) speed = std::max(speed, static_cast<double>(length(u)));
+    double squares = 0;
+    for (const Vec3& u : v) {
+      speed = std::max(speed, static_cast<double>(length(u)));
+      squares += static_cast<double>(dot(u, u));
+    }
     const std::uint64_t taken = f.solver_substeps(id) - own;
     own += taken;
     const double h = desc.dt / static_cast<double>(std::max<std::uint64_t>(taken, 1));
     r.top = std::max(r.top, top / (height + 2 * s.spacing));
+    if (k >= s.calm * 60) r.noise = std::max(r.noise, std::sqrt(squares / static_cast<double>(v.size())));
     if (k >= s.calm * 60) r.speed = std::max(r.speed, speed / std::max(0.2 * std::sqrt(g * height), 2 * g * h));
     if (2 * k >= steps) {
       double mean = 0, most = 0;

@@ -30,6 +30,12 @@ inline WorldDesc one_substep(int threads = 1) {
   return d;
 }
 
+// Nothing weighs.
+inline WorldDesc weightless(WorldDesc d) {
+  d.gravity = Vec3::Zero();
+  return d;
+}
+
 inline void add_plane(World& w, const Vec3& normal, Real distance) {
   BodyDesc b;
   b.type = BodyType::fixed;

@@ -10,12 +10,6 @@ using namespace feder;
 
 namespace {
 
-WorldDesc floating(int dimension = 3) {
-  WorldDesc d = fluid_world(dimension);
-  d.gravity = Vec3::Zero();
-  return d;
-}
-
 // A small ball of lead that fluid does not meet.
 BodyDesc carrier(BodyType type, const Vec3& position, const Vec3& velocity) {
   BodyDesc b;
@@ -38,7 +32,7 @@ std::vector<std::string> warnings(World& w, const std::string& code) {
 
 TEST_CASE("an emitter on a body moves with it, and the jet has the velocity of both", "[fluid][carried]") {
   const BodyType type = GENERATE(BodyType::dynamic, BodyType::kinematic);
-  World w(floating(), fluid_catalog());
+  World w(weightless(fluid_world()), fluid_catalog());
   Fluid& f = w.need<Fluid>();
   const ObjectId cart = w.need<Rigid>().add_body(carrier(type, vec3(1, 2, 3), vec3(4, 0, 0)));
   FluidDesc d;
@@ -61,7 +55,7 @@ TEST_CASE("an emitter on a body moves with it, and the jet has the velocity of b
 }
 
 TEST_CASE("a nozzle that turns with its body throws what leaves it", "[fluid][carried]") {
-  World w(floating(), fluid_catalog());
+  World w(weightless(fluid_world()), fluid_catalog());
   Fluid& f = w.need<Fluid>();
   BodyDesc b = carrier(BodyType::kinematic, Vec3::Zero(), Vec3::Zero());
   b.angular_velocity = vec3(0, 0, 2);
@@ -83,7 +77,7 @@ TEST_CASE("a nozzle that turns with its body throws what leaves it", "[fluid][ca
 }
 
 TEST_CASE("a drain on a body takes what its volume meets", "[fluid][carried]") {
-  World w(floating(), fluid_catalog());
+  World w(weightless(fluid_world()), fluid_catalog());
   Fluid& f = w.need<Fluid>();
   const ObjectId mouth = w.need<Rigid>().add_body(carrier(BodyType::kinematic, vec3(-1, 0, 0), vec3(1, 0, 0)));
   FluidDesc d;
@@ -108,7 +102,7 @@ TEST_CASE("a drain on a body takes what its volume meets", "[fluid][carried]") {
 }
 
 TEST_CASE("what rode on a body that is no more stops, with one warning each", "[fluid][carried]") {
-  World w(floating(), fluid_catalog());
+  World w(weightless(fluid_world()), fluid_catalog());
   Fluid& f = w.need<Fluid>();
   BodyDesc b = carrier(BodyType::dynamic, Vec3::Zero(), Vec3::Zero());
   b.name = "cart";
@@ -147,7 +141,7 @@ TEST_CASE("what rode on a body that is no more stops, with one warning each", "[
 TEST_CASE("the layers of a jet interlock: halves a spacing apart, and no pair closer than 0.8", "[fluid][carried]") {
   const int dimension = GENERATE(2, 3);
   CAPTURE(dimension);
-  World w(floating(dimension), fluid_catalog());
+  World w(weightless(fluid_world(dimension)), fluid_catalog());
   Fluid& f = w.need<Fluid>();
   FluidDesc d;
   d.spacing = Real(0.1), d.solver = any_fluid_solver();

@@ -11,13 +11,6 @@ using namespace feder;
 
 namespace {
 
-// Air and weight do not act; one substep of the world is a step.
-WorldDesc still(int threads = 1) {
-  WorldDesc d = one_substep(threads);
-  d.gravity = Vec3::Zero();
-  return d;
-}
-
 FluidDesc water(const std::string& solver) {
   FluidDesc d;
   d.solver = solver;
@@ -54,7 +47,7 @@ TEST_CASE("every kind of force acts on the fluid it is meant for, and on no othe
   const int row = GENERATE(range(0, static_cast<int>(force_kinds().size())));
   const std::string kind = force_kinds()[static_cast<std::size_t>(row)].name, solver = any_fluid_solver();
   CAPTURE(kind, solver);
-  World w(still(), fluid_catalog());
+  World w(weightless(one_substep()), fluid_catalog());
   Fluid& f = w.need<Fluid>();
   const Vec3 here[] = {vec3(2, 0, 0)};
   const ObjectId a = f.add_fluid(water(solver)), b = f.add_fluid(water(solver));
@@ -68,7 +61,7 @@ TEST_CASE("every kind of force acts on the fluid it is meant for, and on no othe
 TEST_CASE("forces on fluids follow their laws", "[fluid][forces]") {
   const std::string solver = any_fluid_solver();
   CAPTURE(solver);
-  World w(still(), fluid_catalog());
+  World w(weightless(one_substep()), fluid_catalog());
   Fluid& f = w.need<Fluid>();
   const ObjectId id = f.add_fluid(water(solver));
   const Vec3 here[] = {vec3(2, 0, 0)};
@@ -127,7 +120,7 @@ TEST_CASE("forces on fluids follow their laws", "[fluid][forces]") {
 }
 
 TEST_CASE("wind pushes the surface of a fluid: half rho v^2 times the section", "[fluid][forces]") {
-  World w(still(), fluid_catalog());
+  World w(weightless(one_substep()), fluid_catalog());
   const Vec3 size = vec3(Real(0.6), Real(0.8), Real(0.5));
   const ObjectId id = add_water(w, water("pbf"), size);
   Params p;
@@ -149,7 +142,7 @@ TEST_CASE("wind pushes the surface of a fluid: half rho v^2 times the section", 
 }
 
 TEST_CASE("tags pick fluids, and a force that is off does nothing", "[fluid][forces]") {
-  World w(still(), fluid_catalog());
+  World w(weightless(one_substep()), fluid_catalog());
   Fluid& f = w.need<Fluid>();
   FluidDesc d = water("pbf");
   const ObjectId plain = f.add_fluid(d);
@@ -240,7 +233,7 @@ TEST_CASE("a column under a force has the pressure of its weight", "[fluid][forc
 }
 
 TEST_CASE("forces of scripts are kept by particle", "[fluid][forces]") {
-  World w(still(), fluid_catalog());
+  World w(weightless(one_substep()), fluid_catalog());
   Fluid& f = w.need<Fluid>();
   const ObjectId id = f.add_fluid(water(any_fluid_solver()));
   const Vec3 points[] = {vec3(3, 0, 0), vec3(0, 0, 0), vec3(1, 0, 0), vec3(2, 0, 0)};

@@ -74,10 +74,12 @@ TEST_CASE("still water of dfsph stays still, and as dense as its tolerance says"
     s.solver = "dfsph", s.dimension = c.dimension, s.layers = c.layers, s.spacing = c.spacing;
     s.seconds = 2.5 * kShare;
     const StillWaterResult r = run_still_water(s);
-    CAPTURE(c.dimension, c.layers, c.spacing, r.top, r.speed, r.burst, r.warned, r.excess, r.per_step);
+    CAPTURE(c.dimension, c.layers, c.spacing, r.top, r.speed, r.noise, r.burst, r.warned, r.excess, r.per_step);
     CHECK(r.burst < 0);
     CHECK(r.warned < 0);
-    if (kFull) CHECK(r.excess < 0.004);  // measured: 0.001 to 0.003, in the second second of its rest
+    if (kFull) CHECK(r.excess < 0.0005);  // measured: 5e-6 to 3.4e-4
+    // measured: 0.03 to 0.11 in the plane, 0.14 and 0.21 in space; it does not die out
+    if (kFull) CHECK(r.noise < 0.25 * std::sqrt(9.81 * c.spacing));
   }
 }
 
