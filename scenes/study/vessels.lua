@@ -60,6 +60,6 @@ return feder.scene {
   check = function(_, _, expect)
     expect.error(math.abs(sums[1] - sums[2]) / count, "<", 0.5 * p.spacing, "between the levels, m")
     -- the aim is half a spacing
-    expect.error(error_now(), "<", (p.solver == "dfsph" and 0.8 or 1) * p.spacing, "from the level of the volume, m")
+    expect.error(error_now(), "<", (p.solver == "dfsph" and 0.5 or 1) * p.spacing, "from the level of the volume, m")
   end,
 }
