@@ -38,7 +38,7 @@ constexpr Option<FluidReading> kFluid[] = {
     {{.name = "wall_slip", .choices = kWallSlip}, "string", read_wall_slip, default_wall_slip},
     field<&FluidDesc::surface_tension>("surface_tension", "N/m", kNotNegative),
     field<&FluidDesc::solver>("solver").of(names_of<fluid_solvers>),
-    field<&FluidDesc::kernel>("kernel").of(names_of<kernels>),
+    field<&FluidDesc::kernel>("kernel").of(names_of<kernels>).unset(),
     field<&FluidDesc::neighbors>("neighbors").of(names_of<neighbor_searches>),
     field<&FluidDesc::support>("support", "", {1.2, 4}).unset(),
     field<&FluidDesc::stiffness>("stiffness", "Pa", kNotNegative),

@@ -11,12 +11,13 @@
 //    share of the kernel that lies in the air follows from the gradient of the density (BoundaryTable::air) and is
 //    counted as fluid;
 //  - boundaries are images of the fluid (images.h), with their exact gradients;
+//  - pressure compresses it, by its tolerance at the bottom of a column;
+//  - the shortest waves of the velocities are damped under gravity: noise, which pressure would keep;
 //  - conjugate gradients with bounds (pressure_system.h) in place of Jacobi steps.
 // Bodies are part of the system: their masses are in it, and they move with every iteration.
 // Kept between calls: the multipliers, in FluidPool::lambda, kg m^2/s; over h V they are the pressure. Weak spots:
-// particles of still water never come to rest (tests/fluid/test_still_water.cpp says how fast they are); waves are
-// measured with the kernel "wendland" (tests/fluid/test_waves.cpp), "cubic" shortens their period; pressure does not
-// pull.
+// a lattice that a flow stirs loses energy as it breaks up (scenes/study/taylor_green.lua); the kernel "cubic" shortens
+// the period of waves; pressure does not pull.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -35,6 +36,9 @@ constexpr double kVelocityTolerance = 0.01;  // growth of the density in a subst
                                              // what is left of it is noise
 constexpr Real kCarriedLoad = 1;  // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
 constexpr Real kMostRebound = Real(0.01);     // of the density ratio, that velocities take back in a substep
+constexpr Real kStiffness = 20;               // least (c h / d)^2, c the speed of sound
+constexpr Real kNoiseRate = Real(0.3);        // of sqrt(g/d): of the decay of the shortest waves
+constexpr Real kMaxNoiseShare = Real(0.5);    // of them, in a substep
 constexpr Real kMaxShift = Real(0.5);         // spacings, of a displacement
 constexpr double kMissed = 10;                // times the tolerance: errors that are worth a warning
 constexpr Real kBudgetPatience = Real(0.25);  // s, for which a solve fails before a warning: splashes pass
@@ -72,6 +76,8 @@ class Dfsph final : public FluidSolver {
   void project(StepContext& c) { project_within(h_, c); }
   void check_budget(StepContext& c);
   Real wanted_steps(FluidPool& p, const StepContext& c) const;
+  void find_compliance(FluidPool& p) const;
+  void damp(FluidPool& p, StepContext& c) const;
   double list_pools(StepContext& c);
   PressureSystem system_;
   Real h_ = 0;  // s, of a solver substep
@@ -83,7 +89,8 @@ Real Dfsph::wanted_steps(FluidPool& p, const StepContext& c) const {
   const Real d = p.desc.spacing;
   const ColumnScales column = column_scales(p, gravity);
   const Real speed = speed_near(p, column, *boundary, kCflTravel * d, c);
-  const Real load = length(gravity) * c.h * c.h * column.height / (d * d);
+  p.head = length(gravity) * column.height;
+  const Real load = p.head * c.h * c.h / (d * d);
   return std::ceil(std::max({c.h * speed / (kCflTravel * d), std::sqrt(load / kCarriedLoad), Real(1)}));
 }
 
@@ -126,6 +133,20 @@ void Dfsph::boundary_contacts(StepContext& c) {
     p.find_contacts(*c.jobs, *boundary, h_, c.gravity, true);
     p.share_bodies(*boundary);
   });
+}
+
+// The fluid is given a bulk modulus, so that pressure stays finite where it has no room, in full vessels and under
+// pistons: at the bottom of a column at rest it is denser by half the tolerance. Implicit, so it needs no small steps.
+void Dfsph::find_compliance(FluidPool& p) const {
+  const Real d = p.desc.spacing, strain = p.desc.tolerance / 200;
+  const Real sound2 = std::max(p.head / strain, kStiffness * d * d / (h_ * h_));
+  p.compliance = 1 / (h_ * h_ * p.mass * sound2);
+}
+
+// Without, still water goes on moving with the energy of its settling, as a thermal bath: pressure takes none.
+void Dfsph::damp(FluidPool& p, StepContext& c) const {
+  const Real g = length(Vec3(p.desc.gravity_scale * c.gravity));
+  if (g > 0) damp_noise(p, std::min(kMaxNoiseShare, h_ * kNoiseRate * std::sqrt(g / p.desc.spacing)), c);
 }
 
 // Lists the pools of the group in the system; the tolerance of the strictest.
@@ -186,6 +207,8 @@ void Dfsph::correct_velocities(StepContext& c) {
         p.v[i].set(p.v[i].vec() + kick);
       }
     });
+    find_compliance(p);
+    damp(p, c);
     if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h_, c);
     if (p.desc.surface_tension > 0) add_tension(p, *boundary, h_, c);
     p.last_h = h_;
@@ -214,7 +237,7 @@ void Dfsph::check_budget(StepContext& c) {
     c.events->warn("fluid_budget",
                    "dfsph is compressed by more than " +
                        std::to_string(static_cast<Real>(kMissed) * p->desc.tolerance) +
-                       " %, ten times its tolerance: take more substeps or a larger spacing",
+                       " %, ten times its tolerance: it has no room, or needs more substeps or a larger spacing",
                    p->object);
   }
 }

@@ -1,4 +1,4 @@
-// Viscosity and surface tension, applied to velocities.
+// Viscosity, surface tension and the damping of noise, applied to velocities.
 // Viscosity: the Laplacian of the velocity as a sum over pairs (Monaghan & Gingold 1983; Monaghan 2005), the boundary
 // by the integral of the same term over the solid with the velocity continued oddly through its face (Morris 1997), or
 // not at all: free slip, no tangential stress at the wall.
@@ -86,6 +86,24 @@ void add_tension(FluidPool& p, Boundary&, Real h, StepContext& c) {
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->cohere(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) p.v[i].set(p.v[i].vec() - pull * p.move[i].vec());
+  });
+}
+
+void damp_noise(FluidPool& p, Real share, StepContext& c) {
+  FEDER_ASSERT(share > 0 && share <= 1);
+  const Real d2 = p.desc.spacing * p.desc.spacing;
+  const Real factor = 2 * static_cast<Real>(p.dimension + 2) * p.slope_factor * d2 / 4;
+  SweepInput in = p.sweep_input();
+  in.soft = Real(1e-6) * p.support * p.support;
+  c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    p.sweeps->viscous(in, first, last, &p.extra[0].x);
+    for (std::uint32_t i = first; i < last; ++i) p.extra[i].set(factor * p.extra[i].vec());
+  });
+  p.extra[p.count] = {};
+  in.velocity = &p.extra[0].x;
+  c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    p.sweeps->viscous(in, first, last, &p.move[0].x);
+    for (std::uint32_t i = first; i < last; ++i) p.v[i].set(p.v[i].vec() - share * factor * p.move[i].vec());
   });
 }
 

@@ -19,6 +19,7 @@ Real power(Real x, int n) {
 
 FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(from), dimension(dim) {
   FEDER_ASSERT(dim == 2 || dim == 3);
+  if (desc.kernel.empty()) desc.kernel = default_fluid_kernel(desc.solver);
   std::string known;
   kernel = nullptr;
   for (const Kernel& k : kernels()) {

@@ -57,6 +57,8 @@ struct FluidPool {
   Real sound = 0;           // wcsph: speed of sound of the last substep, m/s
   Real sound_before = 0;    // wcsph: of the one before; 0: none. Work
   Real settling = 0;        // wcsph: time in which pressure settles after a rise of it, s. Work
+  Real head = 0;            // dfsph: g H of its column, m^2/s^2. Work
+  Real compliance = 0;      // dfsph: growth of the density ratio that a multiplier is left, 1/(kg m^2). Work
   Real too_dense = 0;       // pbf, dfsph: s, for which it has been denser than wanted
   Real unsolved = 0;        // dfsph: s, for which velocities have missed their tolerance
   std::uint64_t steps = 0;  // solver substeps since it was made, for reports

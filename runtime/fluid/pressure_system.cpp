@@ -147,7 +147,8 @@ void PressureSystem::grow(JobPool& jobs, bool of_moved) {
       for (std::uint32_t i = first; i < last; ++i) {
         Real sum = p.slope_factor * p.sum[i];
         sum += wall_growth(p, i, u, of_moved);
-        p.sum[i] = of_moved ? sum - softness_ * p.diagonal[i] * p.x[i].w : sum;
+        const Real held = of_moved ? p.x[i].w : multipliers(p)[i];
+        p.sum[i] = sum - (bodies_ ? p.compliance : kSoftness * p.diagonal[i]) * held;
       }
     });
   }
@@ -231,7 +232,7 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
 }
 
 PressureSystem::Result PressureSystem::solve_velocities(double tolerance, int most, JobPool& jobs) {
-  bodies_ = true, softness_ = 0;
+  bodies_ = true;
   before_.clear();
   for (const BoundaryBody& b : boundary_->bodies) before_.push_back({b.velocity, b.angular_velocity});
   each(jobs, [](FluidPool& p, std::uint32_t i) { p.next_weight[i] = p.lambda[i]; });
@@ -259,7 +260,7 @@ PressureSystem::Result PressureSystem::solve_velocities(double tolerance, int mo
 }
 
 PressureSystem::Result PressureSystem::solve_displacements(double tolerance, int most, JobPool& jobs) {
-  bodies_ = false, softness_ = kSoftness;
+  bodies_ = false;
   for (FluidPool* p : pools_) {
     std::fill(p->extra.begin(), p->extra.begin() + p->count + 1, Row4{});
     std::fill(p->shifts.begin(), p->shifts.begin() + p->count, Real(0));

@@ -64,7 +64,6 @@ class PressureSystem {
   std::vector<FluidPool*> pools_;
   Boundary* boundary_ = nullptr;
   bool bodies_ = false;  // velocities, not displacements
-  Real softness_ = 0;    // in units of the diagonal
   Array<Sums> sums_;
   struct Motion {
     Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();

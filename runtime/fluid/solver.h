@@ -58,5 +58,8 @@ std::span<const Variant<FluidSolver>> fluid_solvers();
 // take the opposite impulses. Viscosity runs in rounds where stability requires them.
 void add_viscosity(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 void add_tension(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
+// Takes `share` of the shortest waves of the velocities out, less of longer ones by the fourth power of their number:
+// noise, not flow. Momentum and angular momentum stay.
+void damp_noise(FluidPool& p, Real share, StepContext& c);
 
 }  // namespace feder

@@ -12,7 +12,7 @@ local side, fastest = 0.5, 1  -- m, m/s
 local k, viscosity = math.pi / side, fastest * 2 * side / reynolds
 local decay = 4 * viscosity * k * k  -- of the energy, 1/s
 -- Particles that are kept from pairing by nothing but pressure stir the flow.
-local within = { pbf = 0.3, wcsph = 0.35 }
+local within = { pbf = 0.3, wcsph = 0.35, dfsph = 0.2 }
 p.spacing = p.spacing * side
 p.world.gravity = { 0, 0 }
 

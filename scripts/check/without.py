@@ -16,7 +16,7 @@ NEEDED = {"base": "bounds", "geom": "state", "linear": "integrate", "state": "st
           "sph": "fluid", "neighbors": "fluid"}
 FREE = ["springs", "rigid", "cloth", "fluid", "couple", "world", "study", "lua", "yaml", "report", "view",
         "live", "window", "states", "cli"]
-DEFAULTS = ["broad.tree", "rigid.soft_step", "integrate.symplectic_euler", "cloth.xpbd", "fluid.pbf", "sph.cubic",
+DEFAULTS = ["broad.tree", "rigid.soft_step", "integrate.symplectic_euler", "cloth.xpbd", "fluid.dfsph", "sph.wendland",
             "neighbors.uniform_grid"]
 MISSPELT = {"sprngs": "springs", "broad.sweep_prun": "broad.sweep_prune", "rigid.softstep": "rigid.soft_step"}
 

@@ -86,7 +86,7 @@ end
 
 -- The parameters that problems of fluids have, with `particles` across the length that the problem is about.
 function problem.fluid(particles, t_end)
-  local solvers, kernels = feder.choices("fluid.solver"), feder.choices("fluid.kernel")
+  local solvers, kernels = feder.choices("fluid.solver"), { "own", table.unpack(feder.choices("fluid.kernel")) }
   local p = {
     solvers = solvers,
     solver = feder.param("solver", solvers[1], { choices = solvers }),
@@ -95,7 +95,7 @@ function problem.fluid(particles, t_end)
     stiffness = feder.param("stiffness", 0, { min = 0, max = 1e12, help = "bulk modulus for pbf, Pa; 0: as stiff as it can" }),
     compression = feder.param("compression", 0.01, { min = 1e-4, max = 0.2,
       help = "that wcsph aims at; dfsph at a tenth of it on average" }),
-    kernel = feder.param("kernel", kernels[1], { choices = kernels, help = "by which particles weigh their neighbours" }),
+    kernel = feder.param("kernel", kernels[1], { choices = kernels, help = "by which particles weigh their neighbours; own: the solver's" }),
     support = feder.param("support", 0, { min = 0, max = 4, help = "its radius in spacings; 0: as the kernel proposes" }),
     iterations = feder.param("iterations", 4, { min = 1, max = 1000, step = 1, help = "of pbf in a substep" }),
     rate = feder.param("rate", 60, { min = 10, max = 10000, step = 1, help = "steps a second" }),
@@ -109,7 +109,8 @@ end
 function problem.water(world, p, options)
   options.solver, options.spacing, options.stiffness = p.solver, p.spacing, p.stiffness
   options.compression, options.iterations = p.compression, p.iterations
-  options.kernel, options.support = p.kernel, p.support > 0 and p.support or nil
+  options.kernel = p.kernel ~= "own" and p.kernel or nil
+  options.support = p.support > 0 and p.support or nil
   options.tolerance = 10 * p.compression  -- per cent
   return world:fluid(options)
 end

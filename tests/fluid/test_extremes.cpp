@@ -191,7 +191,7 @@ TEST_CASE("pbf says when its iterations do not hold the wanted compression", "[f
   World w(fluid_world(2), fluid_catalog());
   add_tank(w, vec3(Real(0.4), 0, 0));
   FluidDesc d;
-  d.spacing = Real(0.02), d.compression = Real(0.005), d.iterations = iterations;
+  d.solver = "pbf", d.spacing = Real(0.02), d.compression = Real(0.005), d.iterations = iterations;
   add_water(w, d, vec3(Real(0.4), Real(0.6), 0));
   const std::string said = budget_warning(w, 60);
   if (iterations == 1)

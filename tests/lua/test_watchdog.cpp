@@ -70,7 +70,8 @@ const Plant kPlants[] = {
      "solver = 'mass_spring', resolution = {8,8}, position = {0,2,0} } "
      "w:force { kind = 'spring', on = c, stiffness = 1e5 } w:step(20)"},
     {"drop",
-     "local w = feder.world {} watch(w) local f = w:fluid { name = 'drop', spacing = .1, surface_tension = 1e5 } "
+     "local w = feder.world {} watch(w) local f = w:fluid { name = 'drop', solver = 'pbf', spacing = .1, "
+     "surface_tension = 1e5 } "
      "f:fill { box = {{0,0,0},{.6,.6,.6}} } w:step(20)"},
     {"salty",
      "local w = feder.world {} watch(w) local f = w:fluid { name = 'salty', spacing = .1, surface_tension = 1e5, "

@@ -24,9 +24,9 @@ struct FluidPool;
 struct FluidContactState;
 struct Boundary;
 
-// pbf, cubic and grid, or the first of this build where those are left out.
+// dfsph, its kernel and grid, or the first of this build where those are left out.
 std::string default_fluid_solver();
-std::string default_fluid_kernel();
+std::string default_fluid_kernel(std::string_view solver);
 std::string default_fluid_neighbors();
 
 struct FluidDesc {
@@ -38,7 +38,7 @@ struct FluidDesc {
   std::string wall_slip = "none";
   Real surface_tension = 0;  // N/m
   std::string solver = default_fluid_solver();
-  std::string kernel = default_fluid_kernel();
+  std::string kernel;  // empty: wendland for dfsph, cubic for others
   std::string neighbors = default_fluid_neighbors();
   Real support = 0;                       // of the kernel, in spacings; 0: what the kernel proposes
   Real stiffness = 0;                     // bulk modulus, Pa; 0: as stiff as the solver can make it
