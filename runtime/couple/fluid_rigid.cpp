@@ -11,6 +11,7 @@
 
 #include "couple/coupling.h"
 #include "feder/params.h"
+#include "fluid/block_sums.h"
 #include "fluid/pool.h"
 #include "state/bodies.h"
 
@@ -205,33 +206,38 @@ void FluidRigid::place_for_queries(StepContext&) {
   place_boundary(true);
 }
 
-void FluidRigid::set_boundary(StepContext&) {
+void FluidRigid::set_boundary(StepContext& c) {
   place_boundary(false);
   for (std::size_t n = 0; n < fluid_.pool_count(); ++n)
     for (double& p : fluid_.pool_at(n).pushed) p = 0;
-  if (boundary_.weighed) weigh_fluids(before_);
+  if (boundary_.weighed) weigh_fluids(c, before_);
 }
 
-void FluidRigid::weigh_fluids(double (&sum)[3]) const {
+void FluidRigid::weigh_fluids(const StepContext& c, double (&sum)[3]) const {
+  struct Sums {
+    double v[3] = {0, 0, 0};
+    void add(const Sums& s) {
+      for (int k = 0; k < 3; ++k) v[k] += s.v[k];
+    }
+  };
   for (double& k : sum) k = 0;
   for (std::size_t n = 0; n < fluid_.pool_count(); ++n) {
     const FluidPool& p = fluid_.pool_at(n);
-    double own[3] = {0, 0, 0};
-    for (std::uint32_t i = 0; i < p.count; ++i) {
-      own[0] += static_cast<double>(p.v[i].x);
-      own[1] += static_cast<double>(p.v[i].y);
-      own[2] += static_cast<double>(p.v[i].z);
-    }
-    for (int k = 0; k < 3; ++k) sum[k] += static_cast<double>(p.mass) * own[k];
+    const Sums own = sum_blocks<Sums>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Sums& s) {
+      s.v[0] += static_cast<double>(p.v[i].x);
+      s.v[1] += static_cast<double>(p.v[i].y);
+      s.v[2] += static_cast<double>(p.v[i].z);
+    });
+    for (int k = 0; k < 3; ++k) sum[k] += static_cast<double>(p.mass) * own.v[k];
   }
 }
 
 // Momentum balance of two states: velocities of all particles and of the bodies, before and after. A fixed body, or one
 // locked along an axis, has no change of velocity there: its impulses are summed instead.
-void FluidRigid::compare_impulses(const Vec3& gravity_seconds) {
+void FluidRigid::compare_impulses(const StepContext& c, const Vec3& gravity_seconds) {
   if (!boundary_.weighed) return;
   double after[3], gained[3] = {0, 0, 0};
-  weigh_fluids(after);
+  weigh_fluids(c, after);
   for (const BoundaryBody& w : boundary_.bodies) {
     const bool moves = w.dynamic && w.solver_index != 0;
     for (int k = 0; k < 3; ++k) {
@@ -259,10 +265,10 @@ void FluidRigid::compare_impulses(const Vec3& gravity_seconds) {
 }
 
 // Directly after the fluid's own passes: couplings with nets and sheets change velocities of particles as well.
-void FluidRigid::weigh(StepContext& c) { compare_impulses(c.h * c.gravity); }
+void FluidRigid::weigh(StepContext& c) { compare_impulses(c, c.h * c.gravity); }
 
 void FluidRigid::push_again(StepContext& c) {
-  compare_impulses(Vec3::Zero());
+  compare_impulses(c, Vec3::Zero());
   give_velocities(c);
 }
 

@@ -32,12 +32,12 @@ class FluidRigid final : public System {
     ObjectId sensor, fluid;
     std::uint32_t count = 0;
   };
-  void list_boundary();                       // all colliders of bodies that fluids may meet
-  void place_boundary(bool between_steps);    // poses and velocities as the solver bodies have them
-  void weigh_fluids(double (&sum)[3]) const;  // kg m/s of all particles
+  void list_boundary();                     // all colliders of bodies that fluids may meet
+  void place_boundary(bool between_steps);  // poses and velocities as the solver bodies have them
+  void weigh_fluids(const StepContext& c, double (&sum)[3]) const;  // kg m/s of all particles
   // Momentum that the fluids lost since `before_`, without that of gravity over g h m/s and of forces, against what
   // the bodies gained.
-  void compare_impulses(const Vec3& gravity_seconds);
+  void compare_impulses(const StepContext& c, const Vec3& gravity_seconds);
 
   // Passes.
   void compare_densities(StepContext& c);  // of bodies that are new, and fluids

@@ -5,8 +5,10 @@
 // Kept between calls: nothing. Weak spot: a particle pressed between two solids that come nearer than twice the
 // clearance cannot satisfy both; it stays where the last one left it.
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
-#include "fluid/pool.h"
+#include "fluid/block_sums.h"
 
 namespace feder {
 namespace {
@@ -60,11 +62,12 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
   // broad phase: shapes that a run of neighbouring particles may meet
   const auto near_shapes = [&](std::uint32_t first, std::uint32_t last, NearShapes& near) {
     Aabb box;
-    Real speed = 0;
+    Real speed2 = 0;
     for (std::uint32_t i = first; i < last; ++i) {
       box.include(start[i].vec());
-      speed = std::max(speed, length(v[i].vec()));
+      speed2 = std::max(speed2, dot(v[i].vec(), v[i].vec()));
     }
+    const Real speed = std::sqrt(speed2);
     for (std::uint32_t w = 0; w < boundary.shapes.size(); ++w) {
       const BoundaryShape& solid = boundary.shapes[w];
       const BoundaryBody& b = boundary.bodies[solid.body];
@@ -99,39 +102,44 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
   };
   constexpr JobGrain kRun{64, 3'000};  // particles that share a list of shapes
 
-  // count the contacts of each particle, then their first indices
+  // count the contacts of each particle; then the first index of each run
+  block_first.resize(count / kRun.items + (count % kRun.items != 0));
   jobs.for_blocks(count, kRun, [&](std::uint32_t first, std::uint32_t last, int) {
     NearShapes near;
     near_shapes(first, last, near);
+    std::uint32_t all = 0;
     for (std::uint32_t i = first; i < last; ++i) {
       std::uint32_t n = 0;
       if (near.count > 0) visit(i, near, [&](std::uint32_t, Real, const Vec3&, const Vec3&) { ++n; });
       contact_first[i] = n;
+      all += n;
     }
+    block_first[first / kRun.items] = all;
   });
   std::uint32_t total = 0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const std::uint32_t n = contact_first[i];
-    contact_first[i] = total;
-    total += n;
-  }
+  for (std::uint32_t& n : block_first) total += std::exchange(n, total);
   contact_first[count] = total;
   if (contacts.size() < total) contacts.resize(total + total / 4);
 
   // fill them; with push_out, particles inside a solid leave it
   jobs.for_blocks(count, kRun, [&](std::uint32_t first, std::uint32_t last, int) {
+    std::uint32_t at = block_first[first / kRun.items];
+    const std::uint32_t next = last == count ? total : block_first[last / kRun.items];
+    if (at == next) {
+      std::fill(contact_first.begin() + first, contact_first.begin() + last, at);
+      return;
+    }
     NearShapes near;
     near_shapes(first, last, near);
-    if (near.count == 0) return;
     for (std::uint32_t i = first; i < last; ++i) {
-      if (contact_first[i + 1] == contact_first[i]) continue;
-      std::uint32_t at = contact_first[i];
+      const std::uint32_t end = at + std::exchange(contact_first[i], at);
+      if (at == end) continue;
       Vec3 out = Vec3::Zero();
       visit(i, near, [&](std::uint32_t w, Real d, const Vec3& local, const Vec3& n_local) {
         const BoundaryShape& solid = boundary.shapes[w];
         BoundaryContact& c = contacts[at++];
         c.shape = w, c.particle = i;
-        FEDER_ASSERT(at <= contact_first[i + 1] && is_direction(n_local));
+        FEDER_ASSERT(at <= end && is_direction(n_local));
         c.normal = rotate(solid.pose.rotation, n_local);
         c.offset = dot(c.normal, start[i].vec()) - d;
         c.local_normal = n_local;
@@ -140,7 +148,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
         c.impulse = 0;
         if (d < clearance) out += (clearance - d) * c.normal;
       });
-      FEDER_ASSERT(at == contact_first[i + 1]);  // as many as were counted
+      FEDER_ASSERT(at == end);  // as many as were counted
       if (!push_out || out.isZero(0)) continue;
       // a solid has moved over it: the particle is moved, but not accelerated
       start[i].set(start[i].vec() + out);
@@ -148,8 +156,9 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
     }
   });
   dynamic_contacts.clear();
-  for (std::uint32_t k = 0; k < total; ++k)
-    if (boundary.body_of(contacts[k]).dynamic) dynamic_contacts.push_back(k);
+  if (std::any_of(boundary.bodies.begin(), boundary.bodies.end(), [](const BoundaryBody& b) { return b.dynamic; }))
+    for (std::uint32_t k = 0; k < total; ++k)
+      if (boundary.body_of(contacts[k]).dynamic) dynamic_contacts.push_back(k);
   record_contact_states(boundary);
 }
 
@@ -173,12 +182,10 @@ void FluidPool::record_contact_states(const Boundary& boundary) {
   }
 }
 
-void FluidPool::weigh_fixed(Boundary& boundary) const {
-  for (std::uint32_t k = 0; k < contact_first[count]; ++k) {
-    const BoundaryContact& c = contacts[k];
-    BoundaryBody& b = boundary.body_of(c);
-    if (!b.dynamic) b.impulse -= c.impulse * c.normal;
-  }
+void FluidPool::weigh_fixed(Boundary& boundary, const StepContext& c) const {
+  weigh_blocks(count, boundary, c, [&](std::uint32_t i, Vec3* impulses) {
+    for (const BoundaryContact& k : contacts_of(i)) impulses[boundary.shapes[k.shape].body] -= k.impulse * k.normal;
+  });
 }
 
 void FluidPool::share_bodies(Boundary& boundary) {
@@ -191,58 +198,88 @@ void FluidPool::share_bodies(Boundary& boundary) {
   }
 }
 
-void FluidPool::project_out(Boundary& boundary) {
-  // solids may be turned out of the plane by a rounding error, which particles would make more of
-  if (dimension == 2)
-    for (std::uint32_t i = 0; i < count; ++i) x[i].z = v[i].z = 0;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (contact_first[i] == contact_first[i + 1]) continue;
-    bool moved = true;
-    for (int round = 0; round < kProjectionRounds && moved; ++round) {
-      moved = false;
-      for (const BoundaryContact& c : contacts_of(i)) {
-        FEDER_ASSERT(c.particle == i && c.shape < boundary.shapes.size());
-        const BoundaryShape& w = boundary.shapes[c.shape];
-        // the plane where the body is now; nothing to do in front of it
-        Vec3 at = x[i].vec(), n = rotate(w.pose.rotation, c.local_normal);
-        Real d = dot(n, at - w.pose.position) - c.local_offset;
-        const bool one_sided = w.shape->convex() || w.shape->extent(Vec3::Zero()) == kInfinity;
-        if (one_sided && d >= clearance) continue;
-        // behind it: exact distance and the ray from where the contact was made
-        const Vec3 local = to_local(w.pose, at);
-        Vec3 exact;
-        const Real near = w.shape->distance(local, support, exact);
-        RayHit hit;
-        if (crosses(w, c.from, local, hit)) {
-          if (!one_sided) {
-            Vec3 side = rotate(w.pose.rotation, hit.normal);
-            if (dot(hit.normal, Vec3(local - c.from)) > 0) side = -side;
-            n = side;
-            d = dot(side, at - to_world(w.pose, Vec3(c.from + hit.fraction * (local - c.from))));
-          }
-        } else {
-          if (near >= clearance) continue;
-          // a convex solid pushes it back through the plane it came from: the nearest face may be another by now, with
-          // another solid behind it
-          if (!one_sided) n = rotate(w.pose.rotation, exact), d = near;
+namespace {
+
+// Whether a particle at `at` is nearer to the solid of its contact, where that is now, than the clearance: by the
+// distance d along n.
+bool falls_short(const FluidPool& p, const BoundaryShape& w, const BoundaryContact& c, const Vec3& at, Vec3& n,
+                 Real& d) {
+  const Vec3 plane = rotate(w.pose.rotation, c.local_normal);
+  d = dot(plane, at - w.pose.position) - c.local_offset;
+  const bool one_sided = w.shape->convex() || w.shape->extent(Vec3::Zero()) == kInfinity;
+  if (d >= p.clearance && one_sided) return false;
+  n = plane;
+  // behind it: exact distance and the ray from where the contact was made
+  const Vec3 local = to_local(w.pose, at);
+  Vec3 exact;
+  const Real near = w.shape->distance(local, p.support, exact);
+  RayHit hit;
+  if (crosses(w, c.from, local, hit)) {
+    if (!one_sided) {
+      Vec3 side = rotate(w.pose.rotation, hit.normal);
+      if (dot(hit.normal, Vec3(local - c.from)) > 0) side = -side;
+      n = side;
+      d = dot(side, at - to_world(w.pose, Vec3(c.from + hit.fraction * (local - c.from))));
+    }
+  } else {
+    if (near >= p.clearance) return false;
+    // a convex solid pushes it back through the plane it came from: the nearest face may be another by now, with
+    // another solid behind it
+    if (!one_sided) n = rotate(w.pose.rotation, exact), d = near;
+  }
+  return d < p.clearance;
+}
+
+}  // namespace
+
+void FluidPool::project_out(Boundary& boundary, JobPool& jobs) {
+  // whom the boundary has to move follows from positions and poses alone; those few are moved in order, as each changes
+  // the velocities of the bodies that the next one meets
+  jobs.for_blocks(count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) {
+      // solids may be turned out of the plane by a rounding error, which particles would make more of
+      if (dimension == 2) x[i].z = v[i].z = 0;
+      inside[i] = 0;
+      Vec3 n;
+      Real d;
+      for (const BoundaryContact& c : contacts_of(i))
+        if (falls_short(*this, boundary.shapes[c.shape], c, x[i].vec(), n, d)) {
+          inside[i] = 1;
+          break;
         }
-        if (d >= clearance) continue;
-        // position, then the closing velocity
-        x[i].set(at + (clearance - d) * n);
-        moved = true;
-        BoundaryBody& b = boundary.bodies[w.body];
-        const Real closing = dot(n, v[i].vec() - b.velocity_at(x[i].vec()));
-        if (closing >= 0) continue;
-        // fully plastic, by the masses of the pair: the body gains the momentum that the particle loses
-        const Real share = 1 / (1 + (b.dynamic ? mass * b.response(x[i].vec(), n) : Real(0)));
-        FEDER_ASSERT(!(share < 0 || share > Real(1.01)));
-        const Vec3 p = (-closing * share * mass) * n;
-        v[i].set(v[i].vec() + p / mass);
-        if (b.dynamic)
-          b.push(x[i].vec(), -p);
-        else
-          b.impulse -= p;
-      }
+    }
+  });
+  const auto end = inside.begin() + count;
+  for (auto at = std::find(inside.begin(), end, 1); at != end; at = std::find(at + 1, end, 1))
+    move_out(static_cast<std::uint32_t>(at - inside.begin()), boundary);
+}
+
+void FluidPool::move_out(std::uint32_t i, Boundary& boundary) {
+  bool moved = true;
+  for (int round = 0; round < kProjectionRounds && moved; ++round) {
+    moved = false;
+    for (const BoundaryContact& c : contacts_of(i)) {
+      FEDER_ASSERT(c.particle == i && c.shape < boundary.shapes.size());
+      const BoundaryShape& w = boundary.shapes[c.shape];
+      const Vec3 at = x[i].vec();
+      Vec3 n;
+      Real d;
+      if (!falls_short(*this, w, c, at, n, d)) continue;
+      // position, then the closing velocity
+      x[i].set(at + (clearance - d) * n);
+      moved = true;
+      BoundaryBody& b = boundary.bodies[w.body];
+      const Real closing = dot(n, v[i].vec() - b.velocity_at(x[i].vec()));
+      if (closing >= 0) continue;
+      // fully plastic, by the masses of the pair: the body gains the momentum that the particle loses
+      const Real share = 1 / (1 + (b.dynamic ? mass * b.response(x[i].vec(), n) : Real(0)));
+      FEDER_ASSERT(!(share < 0 || share > Real(1.01)));
+      const Vec3 p = (-closing * share * mass) * n;
+      v[i].set(v[i].vec() + p / mass);
+      if (b.dynamic)
+        b.push(x[i].vec(), -p);
+      else
+        b.impulse -= p;
     }
   }
 }

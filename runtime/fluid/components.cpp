@@ -13,10 +13,15 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
+#include <span>
+
+#include "fluid/block_sums.h"
 
 namespace feder {
 namespace {
 
+constexpr JobGrain kRuns{64, 20'000};
+constexpr std::size_t kFewComponents = 16;
 constexpr int kMaxTraceSteps = 16;  // of sphere tracing beside a solid, before it counts as met
 
 // Occupied cells side by side along x. Their particles are order[first .. last).
@@ -31,7 +36,7 @@ struct Component {
   Real low = kInfinity, high = -kInfinity;  // of g . x, m^2/s^2
   Real speed2 = 0;                          // largest in the frame of the world, m^2/s^2
   std::uint32_t count = 0, parent = 0;
-  bool meets_shape = false, meets_fluid = false;
+  bool meets_shape = false, meets_fluid = false, alone = false;
 
   // Its frame, m/s: the middle of its velocities where that is faster than it moves within itself.
   Vec3 velocity() const { return moves() ? middle() : Vec3(Vec3::Zero()); }
@@ -122,6 +127,35 @@ void join_runs(const CellGrid& g, CellRun* runs, const std::uint32_t* row_first)
     }
 }
 
+// The particles of the runs, which block by block have components of their own where these are few: their extremes and
+// counts are the same in any order.
+void include_particles(const FluidPool& p, const Vec3& gravity, std::span<const CellRun> runs,
+                       const std::uint32_t* component_of, std::span<Component> list, const StepContext& c) {
+  const auto include = [&](std::uint32_t first, std::uint32_t last, Component* out) {
+    for (std::uint32_t k = first; k < last; ++k)
+      for (std::uint32_t at = runs[k].first; at < runs[k].last; ++at) {
+        const std::uint32_t i = p.order[at];
+        const Vec3 x = p.x[i].vec();
+        out[component_of[k]].include(x, p.v[i].vec(), dot(gravity, x));
+      }
+  };
+  const auto n = static_cast<std::uint32_t>(runs.size());
+  const std::size_t blocks = block_count(n, kRuns);
+  if (list.size() > kFewComponents || blocks == 1) return include(0, n, list.data());
+  const Scratch::Frame frame(*c.scratch);
+  Component* parts = c.scratch->take<Component>(blocks * list.size());
+  c.jobs->for_blocks(n, kRuns, [&](std::uint32_t first, std::uint32_t last, int) {
+    Component* own = parts + first / kRuns.items * list.size();
+    for (std::size_t k = 0; k < list.size(); ++k) new (&own[k]) Component;
+    include(first, last, own);
+  });
+  for (std::size_t b = 0; b < blocks; ++b)
+    for (std::size_t k = 0; k < list.size(); ++k) {
+      list[k].include(parts[b * list.size() + k]);
+      list[k].meets_fluid = false;  // it is one component, not two that met
+    }
+}
+
 // Whether a box that moves by `travel` comes nearer than `margin` to a solid. A convex shape lies wholly behind the
 // plane through its nearest point; for others the bounding ball of the box is traced along its path in steps of the
 // distance (sphere tracing, Hart 1996), so a solid beside the path is not met.
@@ -205,7 +239,7 @@ void unite_meeting(Component* list, std::uint32_t n, Real support, const StepCon
 FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext& c) {
   FEDER_ASSERT(p.count > 0 && c.h > 0);
   // runs of occupied cells
-  p.grid.sort({&p.x[0].x, 4 * std::size_t(p.count)}, p.support, p.order);
+  p.grid.sort({&p.x[0].x, 4 * std::size_t(p.count)}, p.support, *c.jobs, p.order);
   const std::size_t rows = static_cast<std::size_t>(p.grid.cells(1)) * static_cast<std::size_t>(p.grid.cells(2));
   std::uint32_t* row_first = c.scratch->take<std::uint32_t>(rows + 1);
   CellRun* runs = c.scratch->take<CellRun>(p.count);
@@ -223,12 +257,7 @@ FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext
   Component* list = c.scratch->take<Component>(components);
   for (std::uint32_t k = 0; k < components; ++k) new (&list[k]) Component, list[k].parent = k;
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
-  for (std::uint32_t k = 0; k < n; ++k)
-    for (std::uint32_t at = runs[k].first; at < runs[k].last; ++at) {
-      const std::uint32_t i = p.order[at];
-      const Vec3 x = p.x[i].vec();
-      list[component_of[k]].include(x, p.v[i].vec(), dot(gravity, x));
-    }
+  include_particles(p, gravity, {runs, n}, component_of, {list, components}, c);
 
   // who meets whom in the substep
   const Real fall = length(gravity) * c.h * c.h;
@@ -238,9 +267,12 @@ FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext
 
   // isolated particles do not count
   const auto alone = [](const Component& one) { return one.count == 1 && !one.meets_fluid; };
-  for (std::uint32_t k = 0; k < n; ++k)
-    for (std::uint32_t at = runs[k].first; at < runs[k].last; ++at)
-      p.isolated[p.order[at]] = alone(list[root_of(list, component_of[k])]);
+  for (std::uint32_t k = 0; k < components; ++k) list[k].alone = alone(list[root_of(list, k)]);
+  c.jobs->for_blocks(n, kRuns, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t k = first; k < last; ++k)
+      for (std::uint32_t at = runs[k].first; at < runs[k].last; ++at)
+        p.isolated[p.order[at]] = list[component_of[k]].alone;
+  });
 
   FlowScales scales;
   for (std::uint32_t k = 0; k < components; ++k) {
@@ -252,21 +284,32 @@ FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext
   return scales;
 }
 
-ColumnScales column_scales(const FluidPool& p, const Vec3& gravity) {
+ColumnScales column_scales(const FluidPool& p, const Vec3& gravity, const StepContext& c) {
   constexpr Real kCompany = Real(0.2);  // least density over density at rest by neighbours
+  struct Sums {
+    Real speed2 = 0, low = kInfinity;
+    double depth = 0;
+    std::uint32_t count = 0;
+    Aabb box;
+    void add(const Sums& s) {
+      speed2 = std::max(speed2, s.speed2), low = std::min(low, s.low);
+      depth += s.depth, count += s.count;
+      box.include(s.box);
+    }
+  };
+  const Sums all = sum_blocks<Sums>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Sums& sums) {
+    const Vec3 v = p.v[i].vec();
+    sums.speed2 = std::max(sums.speed2, dot(v, v));
+    if (p.ratio[i] < p.own_value + kCompany) return;
+    const Real s = -dot(gravity, p.x[i].vec());
+    sums.low = std::min(sums.low, s), sums.depth += static_cast<double>(s), ++sums.count;
+    sums.box.include(p.x[i].vec());
+  });
   const Real g = length(gravity);
   ColumnScales column;
-  Real low = kInfinity;
-  double sum = 0;
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    const Vec3 v = p.v[i].vec();
-    column.speed2 = std::max(column.speed2, dot(v, v));
-    if (p.ratio[i] < p.own_value + kCompany) continue;
-    const Real s = -dot(gravity, p.x[i].vec());
-    low = std::min(low, s), sum += static_cast<double>(s), ++column.count;
-    column.box.include(p.x[i].vec());
-  }
-  if (g > 0 && column.count > 0) column.height = 2 * (static_cast<Real>(sum / column.count) - low) / g + p.desc.spacing;
+  column.speed2 = all.speed2, column.count = all.count, column.box = all.box;
+  if (g > 0 && all.count > 0)
+    column.height = 2 * (static_cast<Real>(all.depth / all.count) - all.low) / g + p.desc.spacing;
   return column;
 }
 

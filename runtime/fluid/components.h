@@ -22,7 +22,7 @@ struct ColumnScales {
   std::uint32_t count = 0;
   Aabb box;
 };
-ColumnScales column_scales(const FluidPool& p, const Vec3& gravity);
+ColumnScales column_scales(const FluidPool& p, const Vec3& gravity, const StepContext& c);
 
 // Largest speed that counts for the CFL number, m/s: of the column's particles (in the frames of their components,
 // where they move by more than `travel` m in a step), and of bodies whose boxes meet it.

@@ -87,7 +87,7 @@ class Dfsph final : public FluidSolver {
 Real Dfsph::wanted_steps(FluidPool& p, const StepContext& c) const {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real d = p.desc.spacing;
-  const ColumnScales column = column_scales(p, gravity);
+  const ColumnScales column = column_scales(p, gravity, c);
   const Real speed = speed_near(p, column, *boundary, kCflTravel * d, c);
   p.head = length(gravity) * column.height;
   const Real load = p.head * c.h * c.h / (d * d);
@@ -120,7 +120,7 @@ void Dfsph::sort(StepContext& c) {
     boundary->move_to(0);
     for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;  // set by the group before
   }
-  each(c, [](FluidPool& p) { p.sort_by_cell(); });
+  each(c, [&](FluidPool& p) { p.sort_by_cell(*c.jobs); });
 }
 
 void Dfsph::search(StepContext& c) {
@@ -217,7 +217,7 @@ void Dfsph::correct_velocities(StepContext& c) {
   const PressureSystem::Result r = system_.solve_velocities(wanted, kMostIterations, *c.jobs);
   each(c, [&](FluidPool& p) {
     p.unsolved = r.error > kMissed * wanted ? p.unsolved + h_ : Real(0);
-    if (boundary->weighed) p.weigh_fixed(*boundary);
+    if (boundary->weighed) p.weigh_fixed(*boundary, c);
   });
 }
 

@@ -7,6 +7,7 @@
 // forces; no wind shadow.
 #include <algorithm>
 
+#include "fluid/block_sums.h"
 #include "fluid/impl.h"
 #include "forces/area.h"
 #include "forces/forces.h"
@@ -22,17 +23,20 @@ constexpr std::uint32_t kForceBlock = 128;  // particles of one call of a genera
 
 struct Sums {
   double momentum[3] = {0, 0, 0}, kinetic = 0;  // kg m/s, J
+  void add(const Sums& s) {
+    for (int k = 0; k < 3; ++k) momentum[k] += s.momentum[k];
+    kinetic += s.kinetic;
+  }
 };
 
-Sums sums_of(const FluidPool& p) {
-  Sums s;
-  double square = 0;
-  for (std::uint32_t i = 0; i < p.count; ++i) {
+Sums sums_of(const FluidPool& p, const StepContext& c) {
+  // of velocities and their squares
+  Sums s = sum_blocks<Sums>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Sums& sum) {
     const double v[3] = {p.v[i].x, p.v[i].y, p.v[i].z};
-    for (int k = 0; k < 3; ++k) s.momentum[k] += v[k], square += v[k] * v[k];
-  }
+    for (int k = 0; k < 3; ++k) sum.momentum[k] += v[k], sum.kinetic += v[k] * v[k];
+  });
   for (double& m : s.momentum) m *= static_cast<double>(p.mass);
-  s.kinetic = 0.5 * static_cast<double>(p.mass) * square;
+  s.kinetic *= 0.5 * static_cast<double>(p.mass);
   return s;
 }
 
@@ -109,20 +113,23 @@ void Fluid::Impl::find_surfaces(StepContext& c) {
     if (!blown || p.count == 0 || p.frozen) continue;
     FEDER_ASSERT(p.surface.size() > p.count);
     boundary.move_to(0);
-    p.sort_by_cell();
-    std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
+    p.sort_by_cell(*c.jobs);
+    p.copy(p.x, p.start, *c.jobs);
     p.find_neighbors(*c.jobs, 0);
     p.find_contacts(*c.jobs, boundary, 0, c.gravity, false);
     p.find_ratios(boundary, *c.jobs);
-    p.sweeps->slopes(p.sweep_input(), 0, p.count, &p.move[0].x, p.squares.data());
+    const SweepInput in = p.sweep_input();
     const Real section = p.volume / p.desc.spacing;
-    for (std::uint32_t i = 0; i < p.count; ++i) {
-      Vec3 inward = p.slope_factor * p.move[i].vec();
-      for (const BoundaryContact& k : p.contacts_of(i))
-        inward -= p.table->at(k.distance(p.x[i].vec()) / p.support).colour / p.support * k.normal;
-      p.surface[i].set(-kOneSided * p.volume * inward);
-      p.surface[i].w = section * clamp((kSpray - p.ratio[i]) / (kSpray - p.own_value), 0, 1);
-    }
+    c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
+      for (std::uint32_t i = first; i < last; ++i) {
+        Vec3 inward = p.slope_factor * p.move[i].vec();
+        for (const BoundaryContact& k : p.contacts_of(i))
+          inward -= p.table->at(k.distance(p.x[i].vec()) / p.support).colour / p.support * k.normal;
+        p.surface[i].set(-kOneSided * p.volume * inward);
+        p.surface[i].w = section * clamp((kSpray - p.ratio[i]) / (kSpray - p.own_value), 0, 1);
+      }
+    });
   }
 }
 
@@ -153,12 +160,12 @@ void Fluid::Impl::apply_forces(StepContext& c) {
         }
       }
     };
-    const Sums before = sums_of(p);
+    const Sums before = sums_of(p, c);
     if (serial)
       push(0, p.count, 0);
     else
       c.jobs->for_blocks(p.count, kParticleGrain, push);
-    const Sums after = sums_of(p);
+    const Sums after = sums_of(p, c);
     for (int k = 0; k < 3; ++k) p.pushed[k] += after.momentum[k] - before.momentum[k];
     p.worked += std::max(0.0, after.kinetic - before.kinetic);
   }

@@ -13,6 +13,7 @@
 #include <cmath>
 
 #include "base/cast.h"
+#include "fluid/block_sums.h"
 #include "fluid/solver.h"
 
 namespace feder {
@@ -38,10 +39,8 @@ void viscous_round(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
     p.sweeps->viscous(in, first, last, &p.extra[0].x);
     for (std::uint32_t i = first; i < last; ++i) p.extra[i].set(h * factor * p.extra[i].vec());
   });
-  for (std::uint32_t i = 0; i < p.count; ++i) p.v[i].set(p.v[i].vec() + p.extra[i].vec());
   // at the boundary, implicit in each contact
-  if (p.slips) return;
-  for (std::uint32_t i = 0; i < p.count; ++i)
+  const auto rub = [&](std::uint32_t i, auto&& give) {
     for (const BoundaryContact& k : p.contacts_of(i)) {
       const Real s = k.distance(p.x[i].vec()) / p.support;
       if (s >= 1) continue;
@@ -56,8 +55,30 @@ void viscous_round(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
       if (b.dynamic)
         b.push(at, -p.mass * change);
       else
-        b.impulse -= p.mass * change;
+        give(boundary.shapes[k.shape].body, Vec3(-p.mass * change));
     }
+  };
+  const auto meets_dynamic = [&](std::uint32_t i) {
+    const auto contacts = p.contacts_of(i);
+    return std::any_of(contacts.begin(), contacts.end(),
+                       [&](const BoundaryContact& k) { return boundary.body_of(k).dynamic; });
+  };
+  const bool any_dynamic = !p.dynamic_contacts.empty();
+  weigh_blocks(p.count, boundary, c, [&](std::uint32_t i, Vec3* impulses) {
+    p.v[i].set(p.v[i].vec() + p.extra[i].vec());
+    if (p.slips || (any_dynamic && meets_dynamic(i))) return;
+    rub(i, [&](std::uint32_t body, const Vec3& impulse) {
+      if (impulses) impulses[body] += impulse;
+    });
+  });
+  if (p.slips) return;
+  // each changes the velocities of bodies that the next one meets
+  std::uint32_t last = kNone;
+  for (const std::uint32_t at : p.dynamic_contacts) {
+    if (p.contacts[at].particle == last) continue;
+    last = p.contacts[at].particle;
+    rub(last, [&](std::uint32_t body, const Vec3& impulse) { boundary.bodies[body].impulse += impulse; });
+  }
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fluid/block_sums.h"
 #include "fluid/impl.h"
 
 namespace feder {
@@ -13,14 +14,17 @@ namespace {
 
 // Bounds of its particles and their supports in the coming substep.
 Aabb swept_bounds(const FluidPool& p, const StepContext& c) {
-  Aabb box;
-  Real speed2 = 0;
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    box.include(p.x[i].vec());
-    speed2 = std::max(speed2, dot(p.v[i].vec(), p.v[i].vec()));
-  }
-  box.grow(p.support + c.h * (std::sqrt(speed2) + c.h * length(c.gravity)));
-  return box;
+  struct Extremes {
+    Aabb box;
+    Real speed2 = 0;
+    void add(const Extremes& e) { box.include(e.box), speed2 = std::max(speed2, e.speed2); }
+  };
+  Extremes all = sum_blocks<Extremes>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Extremes& e) {
+    e.box.include(p.x[i].vec());
+    e.speed2 = std::max(e.speed2, dot(p.v[i].vec(), p.v[i].vec()));
+  });
+  all.box.grow(p.support + c.h * (std::sqrt(all.speed2) + c.h * length(c.gravity)));
+  return all.box;
 }
 
 // Bounds of a solid then.

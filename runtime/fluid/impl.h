@@ -102,7 +102,7 @@ struct Fluid::Impl {
 
   // Removes the particles at positions x for which gone(x), and says how many. step.cpp
   template <class F>
-  std::uint32_t take_out(FluidPool& p, F&& gone);
+  std::uint32_t take_out(FluidPool& p, const StepContext& c, F&& gone);
 
   // Passes.
   void make_groups(StepContext& c);

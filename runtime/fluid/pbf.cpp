@@ -26,7 +26,9 @@
 // damped.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
+#include "fluid/block_sums.h"
 #include "fluid/components.h"
 #include "fluid/solver.h"
 
@@ -127,7 +129,7 @@ class Pbf final : public FluidSolver {
 Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real g = length(gravity), d = p.desc.spacing;
-  const ColumnScales column = column_scales(p, gravity);
+  const ColumnScales column = column_scales(p, gravity, c);
   Wanted wanted;
   wanted.travel = c.h * speed_near(p, column, *boundary, kMaxTravel * d, c) / (kMaxTravel * d);
   if (column.count == 0 || !(g > 0)) return wanted;
@@ -166,9 +168,14 @@ void Pbf::check_compression(StepContext& c) {
   for (FluidPool* pool : pools) {
     FluidPool& p = *pool;
     if (p.count == 0 || p.frozen) continue;
-    double sum = 0;
-    for (std::uint32_t i = 0; i < p.count; ++i) sum += std::max(0.0, static_cast<double>(p.ratio[i]) - 1);
-    const Real mean = static_cast<Real>(sum / p.count);
+    struct Sum {
+      double value = 0;
+      void add(const Sum& s) { value += s.value; }
+    };
+    const Sum excess = sum_blocks<Sum>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Sum& s) {
+      s.value += std::max(0.0, static_cast<double>(p.ratio[i]) - 1);
+    });
+    const Real mean = static_cast<Real>(excess.value / p.count);
     const Real wanted = p.desc.compression > 0 ? p.desc.compression : Real(0.05);
     p.too_dense = mean > wanted ? p.too_dense + c.h : Real(0);
     if (p.too_dense < kPatience || p.warned_budget) continue;
@@ -198,7 +205,7 @@ void Pbf::predict(StepContext& c) {
         p.x[i].set(p.x[i].vec() + h_ * v);
       }
     });
-    p.sort_by_cell();
+    p.sort_by_cell(*c.jobs);
   });
 }
 
@@ -248,7 +255,11 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
   const Real step = scheme.step(), carry = first_round ? Real(0) : scheme.carry();
   const Real least = -kMaxPush * p.mass * p.desc.spacing * p.desc.spacing;
   const Real compliance = p.desc.stiffness > 0 ? 1 / (p.desc.stiffness * p.volume * h_ * h_) : Real(0);
+  const Scratch::Frame frame(*c.scratch);
+  const std::uint32_t blocks = block_count(p.count, kFluidGrain);
+  double* residuals = c.scratch->take<double>(blocks);
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    double residual = 0;
     // density of neighbours; in the first iteration with its gradients
     if (first_round)
       p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
@@ -286,15 +297,16 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
       const Real after = clamp(wanted, least, Real(0));
       p.lambda[i] = after;
       p.next_weight[i] = after - before;
+      // it is too dense, or was under pressure before this round
+      const double over = static_cast<double>(p.ratio[i]) - 1, share = over * over / static_cast<double>(p.diagonal[i]);
+      residual += (over > 0 || after < p.next_weight[i]) && p.diagonal[i] > 0 ? share : 0.0;
     }
+    residuals[first / kFluidGrain.items] = residual;
   });
-  double residual = 0;
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    p.x[i].w = p.next_weight[i];
-    const double excess = static_cast<double>(p.ratio[i]) - 1;
-    const bool counts = excess > 0 || p.lambda[i] < p.next_weight[i];  // it was under pressure before this round
-    if (counts && p.diagonal[i] > 0) residual += excess * excess / static_cast<double>(p.diagonal[i]);
-  }
+  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = p.next_weight[i];
+  });
+  const double residual = std::accumulate(residuals, residuals + blocks, 0.0);
   FEDER_ASSERT(!(residual < 0));
   return residual;
 }
@@ -336,12 +348,14 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
     const BoundaryContact& k = p.contacts[at];
     boundary->body_of(k).push(p.start[k.particle].vec(), -k.impulse * k.normal);
   }
-  if (boundary->weighed) p.weigh_fixed(*boundary);
+  if (boundary->weighed) p.weigh_fixed(*boundary, c);
 }
 
 void Pbf::apply_viscosity(StepContext& c) {
   each(c, [&](FluidPool& p) {
-    for (std::uint32_t i = 0; i < p.count; ++i) p.x[i].w = 0;
+    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 0;
+    });
     if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h_, c);
     if (p.desc.surface_tension > 0) add_tension(p, *boundary, h_, c);
   });

@@ -91,7 +91,7 @@ void FluidPool::grow(std::uint32_t wanted) {
     if (!array->empty()) array->resize(room + 1);
   for (auto* array : {&residual, &allowed, &air, &shifts})
     if (!array->empty()) array->resize(room + 1);
-  isolated.resize(room), contact_first.resize(room + 1);
+  isolated.resize(room), inside.resize(room), contact_first.resize(room + 1);
   lists.count.resize(room), lists.rounded.resize(room);
   lists.index.resize(static_cast<std::size_t>(room) * lists.stride + 8);
   FEDER_ASSERT(room >= wanted && room <= desc.max_particles && x.size() == room + 1);
@@ -156,14 +156,18 @@ void FluidPool::remove_marked(const Array<std::uint8_t>& marked) {
   put_sentinel();
 }
 
-void FluidPool::sort_by_cell(Real skin) {
+void FluidPool::sort_by_cell(JobPool& jobs, Real skin) {
   FEDER_ASSERT(skin >= 0 && count <= capacity());
-  const bool identity = grid.sort({&x[0].x, 4 * std::size_t(count)}, support + skin, order);
+  const bool identity = grid.sort({&x[0].x, 4 * std::size_t(count)}, support + skin, jobs, order);
   if (identity) return;
   FEDER_ASSERT(order.size() >= count);
   const auto reorder = [&](auto& array, auto& work) {
-    for (std::uint32_t k = 0; k < count; ++k) work[k] = array[order[k]];
-    std::copy(work.begin(), work.begin() + count, array.begin());
+    FEDER_ASSERT(array.size() == work.size());
+    jobs.for_blocks(count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t k = first; k < last; ++k) work[k] = array[order[k]];
+    });
+    if (work.size() > count) work[count] = array[count];  // the sentinel
+    array.swap(work);
   };
   for (auto* array : {&x, &v, &start}) reorder(*array, swap4);
   for (auto* array : {&lambda, &ratio, &screen}) reorder(*array, swap1);
@@ -176,6 +180,12 @@ void FluidPool::sort_by_cell(Real skin) {
 void FluidPool::find_neighbors(JobPool& jobs, Real skin) {
   search->find({&x[0].x, 4 * std::size_t(count)}, support + skin, jobs, lists);
   if constexpr (kAsserts) validate_neighbors(support + skin);
+}
+
+void FluidPool::copy(const Array<Row4>& from, Array<Row4>& to, JobPool& jobs) const {
+  jobs.for_blocks(count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    std::copy(from.begin() + first, from.begin() + last, to.begin() + first);
+  });
 }
 
 SweepInput FluidPool::sweep_input() const {

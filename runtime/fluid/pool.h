@@ -97,8 +97,9 @@ struct FluidPool {
   Array<Real> residual{&arena}, allowed{&arena}, air{&arena}, shifts{&arena};
   Array<Real> next_weight{&arena};       // becomes the weight in x before the next sweep
   Array<std::uint8_t> isolated{&arena};  // 1: meets no other particle in this substep, see components.h
+  Array<std::uint8_t> inside{&arena};    // work of project_out: 1: the boundary has to move it
   Array<std::uint32_t> order{&arena};
-  Array<Row4> swap4{&arena};  // these three: work of sort_by_cell
+  Array<Row4> swap4{&arena};  // these three: work of sort_by_cell, which exchanges them with what it sorts
   Array<Real> swap1{&arena};
   Array<std::uint32_t> swap_id{&arena};
   CellGrid grid{arena};
@@ -106,6 +107,7 @@ struct FluidPool {
   bool lists_stale = true;                          // wcsph, in a substep
   Array<BoundaryContact> contacts{&arena};          // by particle
   Array<std::uint32_t> contact_first{&arena};       // of a particle; one more than particles
+  Array<std::uint32_t> block_first{&arena};         // work of find_contacts: of a block of particles
   Array<std::uint32_t> dynamic_contacts{&arena};    // indices of contacts with bodies that the fluid moves
   Array<FluidContactState> contact_states{&arena};  // by body of the boundary; sums in point and normal
   std::uint64_t ids_there = 0;  // of validate(): sum of id_key over the particles added and not removed
@@ -128,8 +130,9 @@ struct FluidPool {
 
   // Sorts the particles (and `start`) by the cells of find_neighbors with the same skin; particles in another order
   // would be searched one by one.
-  void sort_by_cell(Real skin = 0);
+  void sort_by_cell(JobPool& jobs, Real skin = 0);
   void find_neighbors(JobPool& jobs, Real skin);
+  void copy(const Array<Row4>& from, Array<Row4>& to, JobPool& jobs) const;
   SweepInput sweep_input() const;
   std::span<const BoundaryContact> contacts_of(std::uint32_t i) const {
     return {contacts.data() + contact_first[i], contact_first[i + 1] - contact_first[i]};
@@ -141,18 +144,19 @@ struct FluidPool {
   // Density over density at rest of all particles where they are; lists must be fresh.
   void find_ratios(const Boundary& boundary, JobPool& jobs);
   Real max_speed() const;
-  double kinetic_energy() const;  // J; watch.cpp
+  double kinetic_energy() const;  // J; in blocks, as Fluid::Impl::check sums it
 
   // boundary.cpp. `speculative_time`: s, for whose approach contacts are made, until they are made again.
   void find_contacts(JobPool& jobs, const Boundary& boundary, Real speculative_time, const Vec3& gravity,
                      bool push_out);
   void record_contact_states(const Boundary& boundary);
   void share_bodies(Boundary& boundary);  // sums the contact weights of each body
-  void weigh_fixed(
-      Boundary& boundary) const;  // adds the impulses of this iteration to bodies that the fluid does not move
+  // Adds the impulses of this iteration to bodies that the fluid does not move.
+  void weigh_fixed(Boundary& boundary, const StepContext& c) const;
   // Non-penetration projection: moves every particle out of the boundary, swept from where its contact was made, and
   // ends closing velocities.
-  void project_out(Boundary& boundary);
+  void project_out(Boundary& boundary, JobPool& jobs);
+  void move_out(std::uint32_t i, Boundary& boundary);  // one of them
 
   bool meets(const BoundaryShape& w) const { return (desc.group & w.mask) && (w.group & desc.mask); }
 };

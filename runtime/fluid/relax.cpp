@@ -8,6 +8,7 @@
 #include <cmath>
 #include <string>
 
+#include "fluid/block_sums.h"
 #include "fluid/impl.h"
 
 namespace feder {
@@ -23,10 +24,10 @@ constexpr Real kMaxExcess = Real(0.5);  // that one round corrects
 constexpr Real kMaxMove = Real(0.2);    // spacings in a round
 
 // Multipliers of the round, m^2, for the sweep of push_apart(); returns the largest excess.
-Real excess_of(FluidPool& p, JobPool& jobs) {
+Real excess_of(FluidPool& p, const StepContext& c) {
   const SweepInput in = p.sweep_input();
   const Real rs = p.support * p.support * p.slope_factor * p.slope_factor;
-  jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+  c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
     for (std::uint32_t i = first; i < last; ++i) {
       const Real crowd = p.value_factor * p.move[i].w + p.own_value;
@@ -42,13 +43,19 @@ Real excess_of(FluidPool& p, JobPool& jobs) {
       p.next_weight[i] = excess > 0 ? -kRelax * excess / std::max(p.least_squares, slope) : Real(0);
     }
   });
-  Real most = 0;
-  for (std::uint32_t i = 0; i < p.count; ++i) most = std::max(most, p.ratio[i] - 1);
-  return most;
+  struct Most {
+    Real value = 0;
+    void add(const Most& m) { value = std::max(value, m.value); }
+  };
+  return sum_blocks<Most>(p.count, kParticleGrain, *c.jobs, *c.scratch,
+                          [&](std::uint32_t i, Most& m) { m.value = std::max(m.value, p.ratio[i] - 1); })
+      .value;
 }
 
 void push_apart(FluidPool& p, JobPool& jobs) {
-  for (std::uint32_t i = 0; i < p.count; ++i) p.x[i].w = p.next_weight[i];
+  jobs.for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = p.next_weight[i];
+  });
   const SweepInput in = p.sweep_input();
   const Real longest = kMaxMove * p.desc.spacing;
   if constexpr (kAsserts)
@@ -67,11 +74,13 @@ void push_apart(FluidPool& p, JobPool& jobs) {
       p.move[i].set(far > longest ? Vec3(longest / far * move) : move);
     }
   });
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    p.x[i].set(p.x[i].vec() + p.move[i].vec());
-    p.x[i].w = 0;
-    p.extra[i] = p.move[i];
-  }
+  jobs.for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) {
+      p.x[i].set(p.x[i].vec() + p.move[i].vec());
+      p.x[i].w = 0;
+      p.extra[i] = p.move[i];
+    }
+  });
 }
 
 }  // namespace
@@ -82,13 +91,13 @@ void Fluid::Impl::relax(StepContext& c) {
     if (!p.fresh || p.frozen || p.count == 0) continue;
     p.fresh = false;
     std::fill(p.extra.begin(), p.extra.begin() + p.count, Row4{});
-    p.sort_by_cell();
+    p.sort_by_cell(*c.jobs);
     Real best = kInfinity;
     for (int round = 0, since = 0; round < kMaxRounds && since < kPatience; ++round, ++since) {
       p.find_neighbors(*c.jobs, 0);
-      std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
+      p.copy(p.x, p.start, *c.jobs);
       p.find_contacts(*c.jobs, boundary, 0, c.gravity, true);
-      const Real most = excess_of(p, *c.jobs);
+      const Real most = excess_of(p, c);
       if (round == 0) check_room(p, c);
       if (round == 0 && most > kHopeless)
         c.events->warn("fluid_crowded",

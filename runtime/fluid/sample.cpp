@@ -206,7 +206,7 @@ FluidFlux Fluid::flux(ObjectId id, const Vec3& lo, const Vec3& hi) const {
 Fluid::Impl::PairCount Fluid::Impl::pairs_of(FluidPool& p, std::uint32_t most) {
   PairCount n;
   if (p.count == 0) return n;
-  p.grid.sort({&p.x[0].x, 4 * std::size_t(p.count)}, p.support, p.order);
+  p.grid.sort({&p.x[0].x, 4 * std::size_t(p.count)}, p.support, one_thread, p.order);
   const Real close2 = p.desc.spacing * p.desc.spacing / 4, near2 = p.support * p.support;
   const std::uint32_t stride = (p.count - 1) / most + 1;
   for (std::uint32_t i = 0; i < p.count; i += stride) {

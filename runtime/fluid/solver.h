@@ -41,7 +41,7 @@ class FluidSolver {
   void project_within(Real h, StepContext& c) {
     if (c.inner.last()) return;
     boundary->move_to(h * static_cast<Real>(c.inner.index + 1));
-    each(c, [&](FluidPool& p) { p.project_out(*boundary); });
+    each(c, [&](FluidPool& p) { p.project_out(*boundary, *c.jobs); });
     for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;
   }
   // In the loop: the pools of the running group that are this solver's.

@@ -2,24 +2,29 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fluid/block_sums.h"
 #include "fluid/impl.h"
 
 namespace feder {
 
 // Non-penetration projection at the poses of the bodies after the rigid solve.
-void Fluid::Impl::project(StepContext&) {
+void Fluid::Impl::project(StepContext& c) {
   for (auto& p : pools)
-    if (p->count > 0 && !p->frozen) p->project_out(boundary);
+    if (p->count > 0 && !p->frozen) p->project_out(boundary, *c.jobs);
 }
 
 template <class F>
-std::uint32_t Fluid::Impl::take_out(FluidPool& p, F&& gone) {
-  marked.assign(p.count, 0);
-  std::uint32_t taken = 0;
-  for (std::uint32_t i = 0; i < p.count; ++i) {
+std::uint32_t Fluid::Impl::take_out(FluidPool& p, const StepContext& c, F&& gone) {
+  struct Count {
+    std::uint32_t value = 0;
+    void add(const Count& n) { value += n.value; }
+  };
+  marked.resize(p.count);
+  const Count all = sum_blocks<Count>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Count& n) {
     marked[i] = gone(p.x[i].vec());
-    taken += marked[i];
-  }
+    n.value += marked[i];
+  });
+  const std::uint32_t taken = all.value;
   if (taken == 0) return 0;
   p.remove_marked(marked);
   FEDER_ASSERT(p.count + taken == marked.size());
@@ -27,10 +32,10 @@ std::uint32_t Fluid::Impl::take_out(FluidPool& p, F&& gone) {
   return taken;
 }
 
-void Fluid::Impl::kill(StepContext&) {
+void Fluid::Impl::kill(StepContext& c) {
   for (auto& p : pools) {
     const Real height = p->desc.kill_height;
-    if (height > -kInfinity) take_out(*p, [&](const Vec3& x) { return x[1] < height; });
+    if (height > -kInfinity) take_out(*p, c, [&](const Vec3& x) { return x[1] < height; });
   }
 }
 
@@ -40,7 +45,7 @@ void Fluid::Impl::drain(StepContext& c) {
     FluidPool& p = pool(d.fluid);
     FEDER_ASSERT(d.shape < shapes.size() && shapes[d.shape]);
     const Shape& shape = *shapes[d.shape];
-    const std::uint32_t taken = take_out(p, [&](const Vec3& x) {
+    const std::uint32_t taken = take_out(p, c, [&](const Vec3& x) {
       Vec3 n;
       return shape.distance(to_local(d.pose, x), p.desc.spacing, n) < 0;
     });
@@ -56,20 +61,30 @@ void Fluid::Impl::check(StepContext& c) {
   ObjectId object;
   for (auto& pool : pools) {
     FluidPool& p = *pool;
-    marked.assign(p.count, 0);
-    std::uint32_t bad = 0, first = 0;
-    Real square = 0;
-    for (std::uint32_t i = 0; i < p.count; ++i) {
-      square += dot(p.v[i].vec(), p.v[i].vec());
-      if (is_finite(p.x[i].vec()) && is_finite(p.v[i].vec()) && is_finite(p.lambda[i])) continue;
-      if (bad++ == 0) first = p.id[i];
-      marked[i] = 1;
-    }
-    if (bad == 0) {
-      watch(p, static_cast<double>(square), c);
+    const auto good = [&p](std::uint32_t i) {
+      return is_finite(p.x[i].vec()) && is_finite(p.v[i].vec()) && is_finite(p.lambda[i]);
+    };
+    struct Sums {
+      double square = 0;
+      std::uint32_t bad = 0;
+      void add(const Sums& s) { square += s.square, bad += s.bad; }
+    };
+    const Sums sums = sum_blocks<Sums>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Sums& s) {
+      s.square += static_cast<double>(dot(p.v[i].vec(), p.v[i].vec()));
+      s.bad += !good(i);
+    });
+    if (sums.bad == 0) {
+      watch(p, sums.square, c);
       continue;
     }
     suspect(p);
+    marked.assign(p.count, 0);
+    std::uint32_t bad = 0, first = 0;
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      if (good(i)) continue;
+      if (bad++ == 0) first = p.id[i];
+      marked[i] = 1;
+    }
     p.remove_marked(marked);
     FEDER_ASSERT(p.count + bad == marked.size());
     p.kinetic = p.kinetic_energy();

@@ -67,7 +67,7 @@ void FluidPool::validate() const {
     for (const auto* array : {&x, &v, &start, &move, &extra, &swap4}) FEDER_ASSERT(array->size() == room + 1);
     for (const auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &next_weight, &swap1})
       FEDER_ASSERT(array->size() == room);
-    FEDER_ASSERT(swap_id.size() == room && contact_first.size() == room + 1);
+    FEDER_ASSERT(swap_id.size() == room && inside.size() == room && contact_first.size() == room + 1);
     for (const auto* array : {&origin, &listed_at, &script_force, &surface})
       FEDER_ASSERT(array->empty() || array->size() == room + 1);
   }

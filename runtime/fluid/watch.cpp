@@ -27,9 +27,14 @@ double given(const FluidPool& p, const StepContext& c) {
 }  // namespace
 
 double FluidPool::kinetic_energy() const {
-  Real square = 0;
-  for (std::uint32_t i = 0; i < count; ++i) square += dot(v[i].vec(), v[i].vec());
-  return 0.5 * static_cast<double>(mass) * static_cast<double>(square);
+  double square = 0;
+  for (std::uint32_t first = 0; first < count; first += kParticleGrain.items) {
+    double of_block = 0;
+    for (std::uint32_t i = first; i < std::min(count, first + kParticleGrain.items); ++i)
+      of_block += static_cast<double>(dot(v[i].vec(), v[i].vec()));
+    square += of_block;
+  }
+  return 0.5 * static_cast<double>(mass) * square;
 }
 
 void Fluid::Impl::watch(FluidPool& p, double square, StepContext& c) {

@@ -13,9 +13,11 @@
 // between calls: the speed of sound, and of each particle the pressure that is held back (FluidPool::lambda). Weak
 // spot: sound sets the step: 10 to 70 times more solver substeps than pbf.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 #include "base/cast.h"
+#include "fluid/block_sums.h"
 #include "fluid/components.h"
 #include "fluid/solver.h"
 
@@ -62,12 +64,14 @@ class Wcsph final : public FluidSolver {
   void project(StepContext& c);
   void refresh(FluidPool& p, StepContext& c);
   void find_contacts(FluidPool& p, StepContext& c);
+  void find_pressures(FluidPool& p, StepContext& c);
   void accelerate(FluidPool& p, StepContext& c);
   Real h_ = 0;  // s, of a fluid substep
-  static Real tait(Real density, Real sound, Real ratio) {
+  static Real tait(Real density, Real sound, Real ratio) { return tait(density * sound * sound / 7, ratio); }
+  static Real tait(Real stiffness, Real ratio) {
     ratio = std::min(ratio, kMaxRatio);
     const Real r2 = ratio * ratio, r7 = r2 * r2 * r2 * ratio;
-    return std::max(Real(0), density * sound * sound / 7 * (r7 - 1));
+    return std::max(Real(0), stiffness * (r7 - 1));
   }
 };
 
@@ -89,7 +93,7 @@ void Wcsph::find_neighbors(StepContext& c) {
 }
 
 void Wcsph::press(StepContext& c) {
-  each(c, [&](FluidPool& p) { accelerate(p, c); });
+  each(c, [&](FluidPool& p) { find_pressures(p, c), accelerate(p, c); });
 }
 
 void Wcsph::project(StepContext& c) {
@@ -97,28 +101,34 @@ void Wcsph::project(StepContext& c) {
   each(c, [&](FluidPool&) { any = true; });
   if (!any) return;
   boundary->move_to(h_ * static_cast<Real>(c.inner.index + 1));
-  each(c, [&](FluidPool& p) { p.project_out(*boundary); });
+  each(c, [&](FluidPool& p) { p.project_out(*boundary, *c.jobs); });
 }
 
 int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real g = length(gravity), length_unit = p.support / 2;
   // speed and height of the fluid as one component, as an upper bound
-  Real low = kInfinity, high = -kInfinity;
+  struct Extremes {
+    Real speed2 = 0, low = kInfinity, high = -kInfinity;
+    void add(const Extremes& e) {
+      speed2 = std::max(speed2, e.speed2), low = std::min(low, e.low), high = std::max(high, e.high);
+    }
+  };
+  const Extremes whole =
+      sum_blocks<Extremes>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Extremes& e) {
+        const Vec3 v = p.v[i].vec();
+        const Real s = dot(gravity, p.x[i].vec());
+        e.add({dot(v, v), s, s});
+      });
   FlowScales flow;
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    const Vec3 v = p.v[i].vec();
-    flow.speed2 = std::max(flow.speed2, dot(v, v));
-    const Real s = dot(gravity, p.x[i].vec());
-    low = std::min(low, s), high = std::max(high, s);
-  }
-  flow.head = high - low;
+  flow.speed2 = whole.speed2, flow.head = whole.high - whole.low;
   Real boundary_speed = 0;
   for (const BoundaryBody& b : boundary->bodies) boundary_speed = std::max(boundary_speed, length(b.velocity));
   const Real tension = p.inward / p.desc.density;
   // components only where they can lower the speed of sound
   const Real held = std::max({boundary_speed * boundary_speed, g * p.desc.spacing, tension});
-  p.sort_by_cell(kSkin * p.support);  // as the lists of this substep want them: isolated particles keep their index
+  p.sort_by_cell(*c.jobs,
+                 kSkin * p.support);  // as the lists of this substep want them: isolated particles keep their index
   if (std::max(flow.speed2, flow.head) > held)
     flow = flow_scales(p, *boundary, c);
   else
@@ -170,12 +180,16 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
 void Wcsph::refresh(FluidPool& p, StepContext& c) {
   const Real skin = kSkin * p.support;
   if (!p.lists_stale) {
-    Real far = 0;
-    for (std::uint32_t i = 0; i < p.count; ++i) {
-      const Vec3 d = p.x[i].vec() - p.listed_at[i].vec();
-      if (!p.isolated[i]) far = std::max(far, dot(d, d));
-    }
-    p.lists_stale = far > skin * skin / 4;
+    std::atomic<bool> stale{false};
+    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      Real far = 0;
+      for (std::uint32_t i = first; i < last; ++i) {
+        const Vec3 d = p.x[i].vec() - p.listed_at[i].vec();
+        far = std::max(far, p.isolated[i] ? Real(0) : dot(d, d));
+      }
+      if (far > skin * skin / 4) stale.store(true, std::memory_order_relaxed);
+    });
+    p.lists_stale = stale.load();
   }
   // contact planes at bodies at rest stay valid as long as the lists
   bool moving = p.lists_stale;
@@ -183,11 +197,11 @@ void Wcsph::refresh(FluidPool& p, StepContext& c) {
     moving = moving || b.dynamic || !b.velocity.isZero(0) || !b.angular_velocity.isZero(0);
   if (p.lists_stale) {
     if (c.inner.index > 0) {
-      p.sort_by_cell(skin);
+      p.sort_by_cell(*c.jobs, skin);
       std::fill(p.isolated.begin(), p.isolated.begin() + p.count, std::uint8_t(0));  // by the order before the sort
     }
     p.find_neighbors(*c.jobs, skin);
-    std::copy(p.x.begin(), p.x.begin() + p.count, p.listed_at.begin());
+    p.copy(p.x, p.listed_at, *c.jobs);
     p.lists_stale = false;
   }
   if (moving) find_contacts(p, c);
@@ -195,28 +209,41 @@ void Wcsph::refresh(FluidPool& p, StepContext& c) {
 
 // Boundary contacts at the present positions, valid for the rest of the substep of the world.
 void Wcsph::find_contacts(FluidPool& p, StepContext& c) {
-  std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
+  p.copy(p.x, p.start, *c.jobs);
   p.find_contacts(*c.jobs, *boundary, c.h, c.gravity, true);
   for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;
   p.share_bodies(*boundary);
 }
 
-void Wcsph::accelerate(FluidPool& p, StepContext& c) {
-  // pressure over squared density, as weights of the sweep; where the speed of sound has risen, pressure keeps its
-  // value
-  const Real h = h_;
+// Pressure over squared density, as weights of the sweep; where the speed of sound has risen, pressure keeps its value.
+void Wcsph::find_pressures(FluidPool& p, StepContext& c) {
   p.find_ratios(*boundary, *c.jobs);
   const bool risen = c.inner.index == 0 && p.sound_before > 0 && p.sound > p.sound_before;
-  const Real stay = p.settling / (p.settling + h);
-  for (std::uint32_t i = 0; i < p.count; ++i) {
-    const Real r = std::min(p.ratio[i], kMaxRatio), full = tait(p.desc.density, p.sound, r);
-    Real& less = p.lambda[i];
-    if (risen) less += tait(p.desc.density, p.sound_before, r) - full;
-    less = full > 0 ? stay * less : Real(0);
-    FEDER_ASSERT(!(less > 0));
-    p.x[i].w = std::max(Real(0), full + less) / (r * r);
-  }
-  // accelerations by neighbours and by the boundary
+  const Real stay = p.settling / (p.settling + h_);
+  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    if (risen)
+      for (std::uint32_t i = first; i < last; ++i) {
+        const Real r = std::min(p.ratio[i], kMaxRatio);
+        p.lambda[i] += tait(p.desc.density, p.sound_before, r) - tait(p.desc.density, p.sound, r);
+      }
+    // several particles at a time, as all of this lies in rows of its own
+    const Real stiffness = p.desc.density * p.sound * p.sound / 7;
+    const Real* ratio = p.ratio.data();
+    Real *lambda = p.lambda.data(), *weight = p.next_weight.data();
+    for (std::uint32_t i = first; i < last; ++i) {
+      const Real r = std::min(ratio[i], kMaxRatio), full = tait(stiffness, r);
+      const Real less = full > 0 ? stay * lambda[i] : Real(0);
+      FEDER_ASSERT(!(less > 0));
+      lambda[i] = less;
+      weight[i] = std::max(Real(0), full + less) / (r * r);
+    }
+    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = weight[i];
+  });
+}
+
+// Accelerations by neighbours and by the boundary.
+void Wcsph::accelerate(FluidPool& p, StepContext& c) {
+  const Real h = h_;
   SweepInput in = p.sweep_input();
   const Real density = p.desc.density, factor = -p.slope_factor / density;
   in.damping = density * p.desc.artificial_viscosity * p.sound * p.support / 2;
@@ -245,18 +272,22 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
     const BoundaryContact& k = p.contacts[at];
     boundary->body_of(k).push(p.x[k.particle].vec(), -k.impulse * k.normal);
   }
-  if (boundary->weighed) p.weigh_fixed(*boundary);
+  if (boundary->weighed) p.weigh_fixed(*boundary, c);
 }
 
 void Wcsph::move(StepContext& c) {
   each(c, [&](FluidPool& p) {
-    for (std::uint32_t i = 0; i < p.count; ++i) p.v[i].set(p.v[i].vec() + h_ * p.move[i].vec());
+    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t i = first; i < last; ++i) p.v[i].set(p.v[i].vec() + h_ * p.move[i].vec());
+    });
     if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h_, c);
     if (p.desc.surface_tension > 0) add_tension(p, *boundary, h_, c);
-    for (std::uint32_t i = 0; i < p.count; ++i) {
-      p.x[i].set(p.x[i].vec() + h_ * p.v[i].vec());
-      p.x[i].w = 0;
-    }
+    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t i = first; i < last; ++i) {
+        p.x[i].set(p.x[i].vec() + h_ * p.v[i].vec());
+        p.x[i].w = 0;
+      }
+    });
   });
 }
 

@@ -4,6 +4,7 @@
 #pragma once
 #include <span>
 
+#include "base/jobs.h"
 #include "feder/memory.h"
 #include "feder/types.h"
 
@@ -11,11 +12,11 @@ namespace feder {
 
 class CellGrid {
  public:
-  explicit CellGrid(Arena& a) : start_(&a), cell_(&a) {}
+  explicit CellGrid(Arena& a) : start_(&a), cell_(&a), starts_(&a), blocks_(&a) {}
 
   // Chooses the cells for these points; then order[k] is the point at position k, ties by index. True when order is the
-  // identity.
-  bool sort(std::span<const Real> points4, Real cell, Array<std::uint32_t>& order);
+  // identity. The same for any number of threads.
+  bool sort(std::span<const Real> points4, Real cell, JobPool& jobs, Array<std::uint32_t>& order);
 
   int cells(int axis) const { return cells_[axis]; }
   int coordinate(int axis, Real x) const {
@@ -32,11 +33,21 @@ class CellGrid {
     return (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells_[1]) + static_cast<std::size_t>(y)) *
            static_cast<std::size_t>(cells_[0]);
   }
-  void choose(std::span<const Real> points4, Real cell);
+  // Of the points of a block of the loops over them.
+  struct BlockBounds {
+    Real lo[4], hi[4];
+    bool ascending;
+  };
+  void choose(std::span<const Real> points4, Real cell, JobPool& jobs);
+  bool number_cells(std::span<const Real> points4, JobPool& jobs);
+  void fill_identity(std::uint32_t count, std::size_t keys, JobPool& jobs, Array<std::uint32_t>& order);
+  void sort_by_number(std::uint32_t count, std::size_t keys, JobPool& jobs, Array<std::uint32_t>& order);
 
   Real origin_[3] = {0, 0, 0}, inv_cell_ = 1;
   int cells_[3] = {1, 1, 1};
   Array<std::uint32_t> start_, cell_;
+  Array<std::uint32_t> starts_;  // work: by part of the points, and cell
+  Array<BlockBounds> blocks_;    // work
 };
 
 }  // namespace feder

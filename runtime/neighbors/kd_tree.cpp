@@ -25,7 +25,7 @@ class KdTree final : public NeighborSearch {
     nodes_.clear();
     if (count > 0) build(p, 0, count);
     const Real near = radius * radius;
-    fill_rows(count, jobs, out, false, [&](std::uint32_t i, auto& sink) {
+    fill_rows(count, jobs, out, false, [&](std::uint32_t i, auto& sink, int) {
       const Real* x = &p[4 * std::size_t(i)];
       std::uint32_t stack[64], depth = 0;
       stack[depth++] = 0;

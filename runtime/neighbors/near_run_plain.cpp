@@ -1,6 +1,6 @@
-// The run of candidates for any processor.
+// The choice among candidates for any processor.
 #include "neighbors/near_run.h"
 
 namespace feder {
-const NearRun kNearRunPlain = near_run;
+const NearKernels kNearPlain = {collect, choose_near};
 }

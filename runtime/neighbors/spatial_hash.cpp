@@ -29,7 +29,7 @@ class SpatialHash final : public NeighborSearch {
     counting_sort(count, buckets_, key, start_, order_);
 
     const Real near = radius * radius;
-    fill_rows(count, jobs, out, false, [&](std::uint32_t i, auto& sink) {
+    fill_rows(count, jobs, out, false, [&](std::uint32_t i, auto& sink, int) {
       const Real* x = &p[4 * std::size_t(i)];
       const Cell* own = &cells_[3 * std::size_t(i)];
       for (int n = 0; n < 27; ++n) {

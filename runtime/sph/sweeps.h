@@ -22,7 +22,11 @@ struct Four {
   return r;
 }
 [[gnu::always_inline]] inline Lanes join(const WideReal* a, const WideReal* b) {
+#if defined(__AVX2__) && !defined(FEDER_REAL_DOUBLE)
+  return reinterpret_cast<Lanes>(_mm256_insertf128_ps(_mm256_castps128_ps256(_mm_loadu_ps(a)), _mm_loadu_ps(b), 1));
+#else
   return __builtin_shufflevector(row4(a), row4(b), 0, 1, 2, 3, 4, 5, 6, 7);
+#endif
 }
 
 // Eight rows of four numbers, as columns.

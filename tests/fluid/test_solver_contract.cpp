@@ -141,6 +141,31 @@ TEST_CASE("threads change nothing, and a snapshot goes on bit for bit", "[fluid]
   CHECK(one->hash() == expected);
 }
 
+// Enough particles for loops without neighbours to be shared as well; bodies that it moves beside those it does not.
+TEST_CASE("threads change nothing where all loops are shared", "[fluid][contract][threads]") {
+  const std::string solver = any_fluid_solver();
+  CAPTURE(solver);
+  const auto make = [&](int threads) {
+    WorldDesc desc = fluid_world(3, threads);
+    desc.substeps = 1, desc.dt = Real(0.002);
+    auto w = std::make_unique<World>(desc, fluid_catalog());
+    add_tank(*w, vec3(1, 1, Real(0.5)));
+    FluidDesc d;
+    d.solver = solver, d.spacing = Real(0.02), d.viscosity = 1;
+    const ObjectId id = add_water(*w, d, vec3(Real(0.5), Real(0.6), Real(0.5)));
+    REQUIRE(w->need<Fluid>().particle_count(id) > 18000);
+    BodyDesc ball;
+    ball.shape = make_sphere(Real(0.1)), ball.density = 400, ball.position = vec3(Real(0.3), Real(0.69), Real(0.25));
+    ball.velocity = vec3(0, -2, 0);
+    w->need<Rigid>().add_body(ball);
+    return w;
+  };
+  const auto one = make(1), two = make(2), four = make(4);
+  for (auto* w : {one.get(), two.get(), four.get()}) run(*w, kFull ? 0.02 : 0.004);
+  CHECK(two->hash() == one->hash());
+  CHECK(four->hash() == one->hash());
+}
+
 TEST_CASE("a step of a fluid that does not grow allocates nothing", "[fluid][contract]") {
   const std::string solver = any_fluid_solver();
   CAPTURE(solver);

@@ -36,7 +36,8 @@ std::vector<Real> make_points(Cloud cloud, int count) {
     Arena arena("test");
     CellGrid grid(arena);
     Array<std::uint32_t> order{&arena};
-    grid.sort(p, Real(0.25), order);
+    JobPool jobs(1);
+    grid.sort(p, Real(0.25), jobs, order);
     const std::vector<Real> old = p;
     for (std::size_t k = 0; k < order.size(); ++k) std::copy_n(&old[4 * order[k]], 4, &p[4 * k]);
   }
