@@ -3,7 +3,7 @@
 // behind each of its planes, so a particle that stays in front of them cannot have passed it; where one comes behind a
 // plane, the exact distance and a ray along its displacement decide (project_out).
 // Kept between calls: nothing. Weak spot: a particle pressed between two solids that come nearer than twice the
-// clearance cannot satisfy both; it stays where the last one left it.
+// clearance cannot satisfy both; it stays out of the one that the fluid does not move, or of the last one.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -14,7 +14,7 @@ namespace feder {
 namespace {
 
 constexpr int kMaxShapes = 64;        // listed near a run of particles, before all are visited
-constexpr int kProjectionRounds = 4;  // for corners of several solids
+constexpr int kProjectionRounds = 4;  // for corners of several solids, before one of those that do not give way
 
 struct NearShapes {
   std::uint32_t list[kMaxShapes];
@@ -256,9 +256,11 @@ void FluidPool::project_out(Boundary& boundary, JobPool& jobs) {
 
 void FluidPool::move_out(std::uint32_t i, Boundary& boundary) {
   bool moved = true;
-  for (int round = 0; round < kProjectionRounds && moved; ++round) {
+  for (int round = 0; round <= kProjectionRounds && moved; ++round) {
     moved = false;
+    const bool last = round == kProjectionRounds;  // what does not give way has the last word
     for (const BoundaryContact& c : contacts_of(i)) {
+      if (last && boundary.body_of(c).dynamic) continue;
       FEDER_ASSERT(c.particle == i && c.shape < boundary.shapes.size());
       const BoundaryShape& w = boundary.shapes[c.shape];
       const Vec3 at = x[i].vec();

@@ -32,7 +32,7 @@ namespace {
 
 constexpr Real kCflTravel = Real(0.4);       // spacings that particles or bodies move in a solver substep
 constexpr int kMostIterations = 100;         // of a solve
-constexpr double kVelocityTolerance = 0.01;  // growth of the density in a substep, over the tolerance of the density;
+constexpr double kVelocityTolerance = 0.05;  // growth of the density in a substep, over the tolerance of the density;
                                              // what is left of it is noise
 constexpr Real kCarriedLoad = 1;  // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
 constexpr Real kMostRebound = Real(0.01);     // of the density ratio, that velocities take back in a substep
