@@ -24,20 +24,26 @@ constexpr Real kMaxExcess = Real(0.5);  // that one round corrects
 constexpr Real kMaxMove = Real(0.2);    // spacings in a round
 
 // Multipliers of the round, m^2, for the sweep of push_apart(); returns the largest excess.
-Real excess_of(FluidPool& p, const StepContext& c) {
+Real excess_of(FluidPool& p, const Boundary& boundary, const StepContext& c) {
   const SweepInput in = p.sweep_input();
   const Real rs = p.support * p.support * p.slope_factor * p.slope_factor;
+  if (p.images) p.images->build(p, boundary, *c.jobs);
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
     for (std::uint32_t i = first; i < last; ++i) {
       const Real crowd = p.value_factor * p.move[i].w + p.own_value;
+      Vec3 open = p.slope_factor * p.move[i].vec();
       Real walled = 0, steep = 0;
-      for (const BoundaryContact& k : p.contacts_of(i)) {
-        const BoundaryTerms s = p.table->at(k.distance(p.x[i].vec()) / p.support);
-        walled += s.value;
-        steep += s.slope * s.slope / (p.support * p.support);
-      }
-      const Real slope = (p.slope_factor * p.move[i].vec()).squaredNorm() + steep + rs * p.squares[i];
+      if (p.images) {
+        const BoundaryImages::Sum& of = p.images->of(i);
+        walled = of.value, steep = of.squares, open += of.gradient;
+      } else
+        for (const BoundaryContact& k : p.contacts_of(i)) {
+          const BoundaryTerms s = p.table->at(k.distance(p.x[i].vec()) / p.support);
+          walled += s.value;
+          steep += s.slope * s.slope / (p.support * p.support);
+        }
+      const Real slope = open.squaredNorm() + steep + rs * p.squares[i];
       const Real excess = std::min(crowd + walled - 1, kMaxExcess);
       p.ratio[i] = crowd + walled;
       p.next_weight[i] = excess > 0 ? -kRelax * excess / std::max(p.least_squares, slope) : Real(0);
@@ -65,10 +71,14 @@ void push_apart(FluidPool& p, JobPool& jobs) {
     p.sweeps->push(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
       Vec3 move = p.slope_factor * p.move[i].vec();
-      for (const BoundaryContact& k : p.contacts_of(i)) {
-        const Real d = k.distance(p.x[i].vec());
-        move -= p.x[i].w * p.table->at(d / p.support).slope / p.support * k.normal;
-      }
+      if (p.images) {
+        move += p.x[i].w * p.images->of(i).gradient;
+        for (const BoundaryImages::Term& t : p.images->back(i)) move += p.x[t.other].w * t.gradient();
+      } else
+        for (const BoundaryContact& k : p.contacts_of(i)) {
+          const Real d = k.distance(p.x[i].vec());
+          move -= p.x[i].w * p.table->at(d / p.support).slope / p.support * k.normal;
+        }
       move += kCarry * p.extra[i].vec();
       const Real far = length(move);
       p.move[i].set(far > longest ? Vec3(longest / far * move) : move);
@@ -97,7 +107,7 @@ void Fluid::Impl::relax(StepContext& c) {
       p.find_neighbors(*c.jobs, 0);
       p.copy(p.x, p.start, *c.jobs);
       p.find_contacts(*c.jobs, boundary, 0, c.gravity, true);
-      const Real most = excess_of(p, c);
+      const Real most = excess_of(p, boundary, c);
       if (round == 0) check_room(p, c);
       if (round == 0 && most > kHopeless)
         c.events->warn("fluid_crowded",

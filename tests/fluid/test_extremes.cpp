@@ -250,3 +250,45 @@ TEST_CASE("a shape of more cells along an axis than can be counted is refused", 
   CHECK_THROWS_WITH(f.fill(id, *rod, Pose{}, Vec3::Zero()), Catch::Contains("too many particles"));
   CHECK(f.particle_count(id) == 0);
 }
+
+// A tank with a lid, 0.5 m wide and high, and water for one that is `over` times as wide.
+static ObjectId fill_closed(World& w, double over) {
+  const double side = 0.5, spacing = 0.025;
+  add_tank(w, vec3(static_cast<Real>(side), 0, static_cast<Real>(side)));
+  add_plane(w, vec3(0, -1, 0), -static_cast<Real>(side));
+  const int n = static_cast<int>(over * side / spacing + 0.5), deep = w.desc().dimension == 3 ? n : 1;
+  std::vector<Vec3> points;
+  const auto at = [&](int k) { return static_cast<Real>((k + 0.5) * side / n); };
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      for (int k = 0; k < deep; ++k) points.push_back(vec3(at(i), at(j), deep > 1 ? at(k) : 0));
+  FluidDesc d;
+  d.spacing = static_cast<Real>(spacing);
+  const ObjectId id = w.need<Fluid>().add_fluid(d);
+  w.need<Fluid>().fill(id, points, Vec3::Zero());
+  return id;
+}
+
+static double rms_speed(World& w, ObjectId id) {
+  const double mass = 1000 * std::pow(0.025, w.desc().dimension);
+  return std::sqrt(2 * w.energy().kinetic / (mass * static_cast<double>(w.need<Fluid>().particle_count(id))));
+}
+
+TEST_CASE("a full vessel is calm, one too full is bounded and says so", "[fluid][extreme]") {
+  const int dimension = GENERATE(2, 3);
+  if (!kLarge && dimension == 3) return;
+  CAPTURE(dimension);
+  {
+    World w(fluid_world(dimension), fluid_catalog());
+    const ObjectId id = fill_closed(w, 1);
+    CHECK(budget_warning(w, kFull ? 60 : 3) == "");
+    if (kFull) CHECK(rms_speed(w, id) < 0.1 * std::sqrt(9.81 * 0.025));  // measured: 0.05
+  }
+  World w(fluid_world(dimension), fluid_catalog());
+  const ObjectId id = fill_closed(w, 1.05);  // by 10 and 16 %
+  const std::string said = budget_warning(w, kFull ? 60 : 3);
+  if (!kFull) return;
+  CHECK_THAT(said, Catch::Contains("it has no room"));
+  CHECK(w.is_finite());
+  CHECK(rms_speed(w, id) < 1.5);  // measured: 0.3, of a sound of 27 m/s
+}

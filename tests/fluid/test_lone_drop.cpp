@@ -27,7 +27,7 @@ struct Pool {
     FluidDesc d;
     d.solver = solver, d.spacing = kDropSpacing;
     id = add_water(w, d, vec3(width, 4 * kDropSpacing, width));
-    run(w, 1);  // else it is not calm
+    run(w, 0.25);  // else it is not calm
   }
   void throw_in(const std::vector<Vec3>& points, const Vec3& velocity) {
     w.need<Fluid>().fill(id, points, velocity);
