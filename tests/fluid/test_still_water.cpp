@@ -78,7 +78,7 @@ TEST_CASE("still water of dfsph stays still, and as dense as its tolerance says"
     CAPTURE(c.dimension, c.layers, c.spacing, r.top, r.speed, r.noise, r.burst, r.warned, r.excess, r.per_step);
     CHECK(r.burst < 0);
     CHECK(r.warned < 0);
-    if (kFull) CHECK(r.excess < 0.0003);  // measured: 2.3e-4 to 2.6e-4
+    if (kFull) CHECK(r.excess < 0.0003);                             // measured: 2.3e-4 to 2.6e-4
     if (kFull) CHECK(r.noise < 0.06 * std::sqrt(9.81 * c.spacing));  // measured: 0.004 to 0.039
   }
 }
