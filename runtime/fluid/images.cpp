@@ -9,9 +9,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kCorner = Real(0.7);  // cosine between two planes, up to which the image of an image counts
-constexpr Real kOtherSide =
-    Real(-0.25);  // spacings: a particle farther behind the plane is on the other side of a solid
+constexpr Real kCorner = Real(0.7);     // cosine between two planes, up to which the image of an image counts
+constexpr Real kOpposite = Real(-0.7);  // cosine between normals, up to which particles are on the same side of a solid
 constexpr Real kNearlyOne = Real(0.9999);  // of squared distances over the support's
 
 // What the images of a pool are computed from.
@@ -25,34 +24,46 @@ struct ImageGeometry {
     for (int k = 0; k < p.dimension; ++k) value_unit /= p.support;
     slope_unit = value_unit * inv_r2;
   }
-  Real reach(const BoundaryContact& k, std::uint32_t i) const { return std::max(k.distance(p.x[i].vec()), Real(0)); }
-  bool beyond(const BoundaryContact& k, std::uint32_t j) const {
-    return k.distance(p.x[j].vec()) < kOtherSide * p.desc.spacing;
+  Real reach(const BoundaryContact& k) const { return std::max(k.distance(p.x[k.particle].vec()), Real(0)); }
+  // The contact of j with the solid of k, on the same side; null: none, and then no image is in reach.
+  const BoundaryContact* at_same(const BoundaryContact& k, std::uint32_t j) const {
+    for (const BoundaryContact& other : p.contacts_of(j))
+      if (other.shape == k.shape) return dot(other.normal, k.normal) > kOpposite ? &other : nullptr;
+    return nullptr;
   }
-  // f(j, second contact or null, u^2) for each image in the kernel of i behind contact k; j == i is its own.
+  // An image: of the particle of `kj` behind contact ki, or behind that and li; null: not.
+  struct Image {
+    const BoundaryContact *ki, *kj, *li, *lj;
+    Real u2;
+  };
+  // f(image) for each in the kernel of i behind contact k; that of i is its own.
   template <class F>
   void each(std::uint32_t i, const BoundaryContact& k, F&& f) const {
-    const Real s = reach(k, i);
+    const Real s = reach(k);
     if (s * s * inv_r2 >= 1) return;
     const auto visit = [&](std::uint32_t j) {
-      if (j != i && beyond(k, j)) return;
+      const BoundaryContact* kj = j == i ? &k : at_same(k, j);
+      if (!kj) return;
       const Vec3 apart = p.x[i].vec() - p.x[j].vec();
-      const Real u2 = (dot(apart, apart) + 4 * s * reach(k, j)) * inv_r2;
+      const Real u2 = (dot(apart, apart) + 4 * s * reach(*kj)) * inv_r2;
       if (u2 >= kNearlyOne) return;
-      f(j, static_cast<const BoundaryContact*>(nullptr), u2);
+      f(Image{&k, kj, nullptr, nullptr, u2});
       for (const BoundaryContact& l : p.contacts_of(i)) {
-        if (&l <= &k || std::fabs(dot(l.normal, k.normal)) > kCorner || (j != i && beyond(l, j))) continue;
-        const Real v2 = u2 + 4 * reach(l, i) * reach(l, j) * inv_r2;
-        if (v2 < kNearlyOne) f(j, &l, v2);
+        if (&l <= &k || std::fabs(dot(l.normal, k.normal)) > kCorner) continue;
+        const BoundaryContact* lj = j == i ? &l : at_same(l, j);
+        if (!lj) continue;
+        const Real v2 = u2 + 4 * reach(l) * reach(*lj) * inv_r2;
+        if (v2 < kNearlyOne) f(Image{&k, kj, &l, lj, v2});
       }
     };
     visit(i);
     for (const std::uint32_t j : p.lists.row(i)) visit(j);
   }
-  // Gradient by the position of i of the term of an image of j, over the slope.
-  Vec3 by(std::uint32_t i, std::uint32_t j, const BoundaryContact& k, const BoundaryContact* l) const {
-    Vec3 g = p.x[i].vec() - p.x[j].vec() + 2 * reach(k, j) * k.normal;
-    if (l) g += 2 * reach(*l, j) * l->normal;
+  // Gradient of the term of an image by the position of the particle of `own`, over the slope.
+  Vec3 by(const BoundaryContact& own, const BoundaryContact& other, const BoundaryContact* own2,
+          const BoundaryContact* other2) const {
+    Vec3 g = p.x[own.particle].vec() - p.x[other.particle].vec() + 2 * reach(other) * own.normal;
+    if (own2) g += 2 * reach(*other2) * own2->normal;
     return g;
   }
 };
@@ -71,7 +82,7 @@ void BoundaryImages::build(const FluidPool& p, const Boundary& boundary, JobPool
     for (std::uint32_t i = first; i < last; ++i) {
       std::uint32_t n = 0;
       for (const BoundaryContact& k : p.contacts_of(i))
-        images.each(i, k, [&](std::uint32_t j, const BoundaryContact*, Real) { n += j != i; });
+        images.each(i, k, [&](const ImageGeometry::Image& m) { n += m.kj->particle != i; });
       first_[i] = n, back_first_[i] = 0;
     }
   });
@@ -86,30 +97,31 @@ void BoundaryImages::build(const FluidPool& p, const Boundary& boundary, JobPool
       for (std::uint32_t c = p.contact_first[i]; c < p.contact_first[i + 1]; ++c) pushes_[c] = Push{};
       for (std::uint32_t c = p.contact_first[i]; c < p.contact_first[i + 1]; ++c) {
         const BoundaryContact& k = p.contacts[c];
-        images.each(i, k, [&](std::uint32_t j, const BoundaryContact* l, Real u2) {
-          const double u = std::sqrt(static_cast<double>(u2));
+        images.each(i, k, [&](const ImageGeometry::Image& m) {
+          const std::uint32_t j = m.kj->particle;
+          const double u = std::sqrt(static_cast<double>(m.u2));
           const Real slope = images.slope_unit * static_cast<Real>(p.kernel->gradient.slope(p.dimension, u));
           sum.value += images.value_unit * static_cast<Real>(p.kernel->density.value(p.dimension, u));
           if (j == i) {
-            sum.gradient += 2 * slope * images.by(i, i, k, l);  // both ends move
+            sum.gradient += 2 * slope * images.by(*m.ki, *m.ki, m.li, m.li);  // both ends move
           } else {
-            sum.gradient += slope * images.by(i, j, k, l);
-            const Vec3 g = slope * images.by(j, i, k, l);
+            sum.gradient += slope * images.by(*m.ki, *m.kj, m.li, m.lj);
+            const Vec3 g = slope * images.by(*m.kj, *m.ki, m.lj, m.li);
             sum.squares += dot(g, g);
             FEDER_ASSERT(at < first_[i + 1]);
             terms_[at++] = {g[0], g[1], g[2], j};
           }
           // the solids' motions
-          const auto pushed = [&](const BoundaryContact& m) {
-            const Real si = images.reach(m, i), sj = images.reach(m, j);
-            const Vec3 center = boundary.body_of(m).center;
-            Push& push = pushes_[static_cast<std::size_t>(&m - p.contacts.data())];
-            push.linear += 2 * slope * (si + sj) * m.normal;
-            push.angular +=
-                cross(Vec3(2 * slope * (sj * (p.x[i].vec() - center) + si * (p.x[j].vec() - center))), m.normal);
+          const auto pushed = [&](const BoundaryContact& mi, const BoundaryContact& mj) {
+            const Vec3 of_i = (2 * slope * images.reach(mj)) * mi.normal,
+                       of_j = (2 * slope * images.reach(mi)) * mj.normal;
+            const Vec3 center = boundary.body_of(mi).center;
+            Push& push = pushes_[static_cast<std::size_t>(&mi - p.contacts.data())];
+            push.linear += of_i + of_j;
+            push.angular += cross(Vec3(p.x[i].vec() - center), of_i) + cross(Vec3(p.x[j].vec() - center), of_j);
           };
-          pushed(k);
-          if (l) pushed(*l);
+          pushed(*m.ki, *m.kj);
+          if (m.li) pushed(*m.li, *m.lj);
         });
       }
       FEDER_ASSERT(at == first_[i + 1]);

@@ -1,14 +1,16 @@
-// Boundary terms of densities by images (ghost particles: Colagrossi & Landrini, JCP 191, 2003): behind the tangent
-// plane of a contact lies the mirror image of each particle that the kernel reaches there, the particle's own too, with
-// the weight of the original. Two particles at distances s and t from the plane see the image of the other at
+// Boundary terms of densities by images (ghost particles: Colagrossi & Landrini, JCP 191, 2003): behind a solid lies
+// the mirror image of each particle that the kernel reaches there, the particle's own too, with the weight of the
+// original. Two particles at distances s and t from the solid see the image of the other at
 //   r^2 = |x_i - x_j|^2 + 4 s t,
-// so the density of i is a function of the positions of fluid and solid alone; the gradients here are its exact ones,
-// and forces that follow from them keep momentum and energy. Against a boundary that is a function of the distance
-// (BoundaryTable), pressure that varies along the boundary acts in full on the particles beside it: with the table the
-// layer at the boundary gets six tenths of it, lags behind the flow and brakes it.
-// Where two planes meet, across or steeply, the image of the image fills the corner likewise. Rebuilt wherever the
-// particles have moved. Weak spots: at convex edges the plane is that of the nearest point; three planes that meet
-// leave the outermost eighth of the kernel empty.
+// exactly so at a plane. With each particle's own distance, not that from the tangent plane of the other, this is
+// smooth and symmetric beside any convex solid: the density of i is a function of the positions of fluid and solid
+// alone, the gradients here are its exact ones, and forces that follow from them keep momentum and energy. (Images
+// behind the tangent plane of i come and go where it sweeps over neighbours: still water at a box boiled at 0.1 m/s.)
+// Against a boundary that is a function of the distance (BoundaryTable), pressure that varies along the boundary acts
+// in full on the particles beside it: with the table the layer at the boundary gets six tenths of it, lags behind the
+// flow and brakes it. Where two planes meet, across or steeply, the image of the image fills the corner likewise.
+// Rebuilt wherever the particles have moved. Weak spots: at convex edges images fill more than the solid; planes that
+// meet at a blunt angle count twice; three planes that meet leave the outermost eighth of the kernel empty.
 #pragma once
 #include <span>
 

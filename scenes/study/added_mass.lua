@@ -20,7 +20,7 @@ local expected = g * (1 - share) / (share + added)
 local unit = g * math.max(math.abs(1 - share), 0.1) / (share + added)  -- there is no acceleration at s = 1
 
 -- What is not reached yet; the aim is 0.05.
-local within = dimension == 3 and { pbf = 0.25, wcsph = 0.25, dfsph = 0.2 } or {}
+local within = dimension == 3 and { pbf = 0.25, wcsph = 0.25, dfsph = 0.1 } or {}
 
 local water, ball, weld, release, before
 
