@@ -46,8 +46,8 @@ constexpr Real kBudgetPatience = Real(0.25);  // s, for which a solve fails befo
 class Dfsph final : public FluidSolver {
  public:
   explicit Dfsph(Arena& arena) : system_(arena) {}
+  void keep(FluidPool& p) const override { p.keep_solved(); }
   void add_passes(StepPlan& plan) override {
-    for (FluidPool* p : pools) p->keep_solved();
     plan.add<&Dfsph::choose_steps>(Rank::fluid_choose, "dfsph substeps", Fluid::kName, this);
     plan.add<&Dfsph::sort>(Rank::fluid_predict, "dfsph sort", Fluid::kName, this);
     plan.add<&Dfsph::search>(Rank::fluid_neighbors, "dfsph neighbors", Fluid::kName, this);

@@ -130,6 +130,7 @@ ObjectId Fluid::add_fluid(const FluidDesc& desc) {
   Impl& m = *impl_;
   auto p = std::make_unique<FluidPool>(m.arena, desc, m.dimension);
   p->object = m.objects.add(kFluidKind, static_cast<std::uint32_t>(m.pools.size()), desc.name, desc.tags);
+  m.solver_of(*p).keep(*p);
   m.pools.push_back(std::move(p));
   *m.structure_changed = true;
   return m.pools.back()->object;

@@ -62,6 +62,7 @@ void Fluid::load(Reader& r) {
       for (std::uint32_t i = 0; i < count; ++i) r.get(p->script_force[i]);
     }
     p->put_sentinel();
+    m.solver_of(*p).keep(*p);
     if constexpr (kAsserts) p->ids_there = p->id_sum();
     p->kinetic = p->kinetic_energy();
     p->crowded = kScriptWindow;

@@ -16,6 +16,8 @@ namespace feder {
 class FluidSolver {
  public:
   virtual ~FluidSolver() = default;
+  // Makes a new pool keep what the solver needs of it, outside steps.
+  virtual void keep(FluidPool&) const {}
   // Passes at Rank::fluid_choose, where want_steps() says how many fluid substeps each pool needs, in the loop of fluid
   // substeps, and at Rank::fluid_check. Before them new particles have been added and the boundary is set, after them
   // the velocities of the bodies are read; positions and velocities are those of the end of the substep.

@@ -46,7 +46,7 @@ return feder.scene {
     error = function(world) return error_now(world:time()) end,
     scale = { length = side, velocity = fastest },
     certainty = { source = "e^(-4 nu k^2 t) of the energy, by the rate of decay", uncertainty = 1e-6,
-      resolution = 5 * p.spacing },  -- particles stir the flow as they pass each other
+      resolution = 15 * p.spacing },  -- particles stir the flow as they pass each other
   }),
 
   build = function(world)

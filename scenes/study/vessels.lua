@@ -7,7 +7,7 @@ local p = problem.fluid(40, 4)
 local g, wide, narrow, wall, channel = 9.81, 0.4, 0.15, 0.1, 0.15  -- m
 local length, start = wide + wall + narrow, { 0.8, 0.4 }
 
-local water, level, sums, count
+local water, first, level, sums, count
 
 -- Levels by the surface, means over the samples of a vessel.
 local function height(from, to)
@@ -30,8 +30,10 @@ return feder.scene {
   world = p.world,
 
   study = problem.of_fluid(p, function() return water end, {
-    -- the way to the end is not known: the reference is where it starts
-    observe = function() return { height(0, wide), height(length - narrow, length), 0 } end,
+    -- the way to the end is not known: the reference is where it starts, by whatever kernel it is measured
+    observe = function()
+      return { start[1] + height(0, wide) - first[1], start[2] + height(length - narrow, length) - first[2], 0 }
+    end,
     reference = function() return { start[1], start[2], 0 } end,
     error = error_now,
     scale = { length = 1, velocity = math.sqrt(g) },
@@ -46,7 +48,7 @@ return feder.scene {
     problem.fill(water, length, channel, 0, 0)
     problem.fill(water, wide, start[1] - channel, 0, channel)
     problem.fill(water, narrow, start[2] - channel, length - narrow, channel)
-    start = { height(0, wide), height(length - narrow, length) }
+    first = { height(0, wide), height(length - narrow, length) }
     level = (water:count() * p.spacing ^ 2 - wall * channel) / (wide + narrow)
     sums, count = { 0, 0 }, 0
   end,
