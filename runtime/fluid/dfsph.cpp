@@ -11,7 +11,7 @@
 //    share of the kernel that lies in the air follows from the gradient of the density (BoundaryTable::air) and is
 //    counted as fluid;
 //  - boundaries are images of the fluid (images.h), with their exact gradients;
-//  - pressure compresses it, by its tolerance at the bottom of a column;
+//  - pressure compresses it, by half its tolerance at the bottom of a column;
 //  - the shortest waves of the velocities are damped under gravity: noise, which pressure would keep;
 //  - conjugate gradients with bounds (pressure_system.h) in place of Jacobi steps.
 // Bodies are part of the system: their masses are in it, and they move with every iteration.
@@ -35,9 +35,11 @@ constexpr int kMostIterations = 100;         // of a solve
 constexpr double kVelocityTolerance = 0.05;  // growth of the density in a substep, over the tolerance of the density;
                                              // what is left of it is noise
 constexpr Real kCarriedLoad = 1;  // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
-constexpr Real kMostRebound = Real(0.01);     // of the density ratio, that velocities take back in a substep
-constexpr Real kStiffness = 20;               // least (c h / d)^2, c the speed of sound
-constexpr Real kNoiseRate = Real(0.3);        // of sqrt(g/d): of the decay of the shortest waves
+constexpr Real kMostRebound = Real(0.01);  // of the density ratio, that velocities take back in a substep
+constexpr Real kLoosest = Real(0.01);      // of the tolerances that are used: with looser ones water boils
+constexpr Real kStiffness = 20;            // least (c h / d)^2, c the speed of sound
+// Of sqrt(g/d): of the decay of the shortest waves, in the plane (where a slosh loses by it) and in space.
+constexpr Real kNoiseRate[2] = {Real(0.45), Real(1.2)};
 constexpr Real kMaxNoiseShare = Real(0.5);    // of them, in a substep
 constexpr Real kMaxShift = Real(0.5);         // spacings, of a displacement
 constexpr double kMissed = 10;                // times the tolerance: errors that are worth a warning
@@ -78,6 +80,7 @@ class Dfsph final : public FluidSolver {
   Real wanted_steps(FluidPool& p, const StepContext& c) const;
   void find_compliance(FluidPool& p) const;
   void damp(FluidPool& p, StepContext& c) const;
+  static Real tolerance(const FluidPool& p) { return std::min(p.desc.tolerance / 100, kLoosest); }
   double list_pools(StepContext& c);
   PressureSystem system_;
   Real h_ = 0;  // s, of a solver substep
@@ -138,7 +141,7 @@ void Dfsph::boundary_contacts(StepContext& c) {
 // The fluid is given a bulk modulus, so that pressure stays finite where it has no room, in full vessels and under
 // pistons: at the bottom of a column at rest it is denser by half the tolerance. Implicit, so it needs no small steps.
 void Dfsph::find_compliance(FluidPool& p) const {
-  const Real d = p.desc.spacing, strain = p.desc.tolerance / 200;
+  const Real d = p.desc.spacing, strain = tolerance(p) / 2;
   const Real sound2 = std::max(p.head / strain, kStiffness * d * d / (h_ * h_));
   p.compliance = 1 / (h_ * h_ * p.mass * sound2);
 }
@@ -146,7 +149,8 @@ void Dfsph::find_compliance(FluidPool& p) const {
 // Without, still water goes on moving with the energy of its settling, as a thermal bath: pressure takes none.
 void Dfsph::damp(FluidPool& p, StepContext& c) const {
   const Real g = length(Vec3(p.desc.gravity_scale * c.gravity));
-  if (g > 0) damp_noise(p, std::min(kMaxNoiseShare, h_ * kNoiseRate * std::sqrt(g / p.desc.spacing)), c);
+  if (g > 0)
+    damp_noise(p, std::min(kMaxNoiseShare, h_ * kNoiseRate[p.dimension - 2] * std::sqrt(g / p.desc.spacing)), c);
 }
 
 // Lists the pools of the group in the system; the tolerance of the strictest.
@@ -155,7 +159,7 @@ double Dfsph::list_pools(StepContext& c) {
   system_.begin(boundary);
   each(c, [&](FluidPool& p) {
     system_.add(p);
-    least = std::min(least, static_cast<double>(p.desc.tolerance) / 100);
+    least = std::min(least, static_cast<double>(tolerance(p)));
   });
   return least;
 }

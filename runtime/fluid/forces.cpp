@@ -22,16 +22,20 @@ namespace {
 constexpr Real kViscousLimit = Real(0.1);  // of (support/2)^2/nu, largest time of a round; 0.125 in Morris 1997
 constexpr int kMaxRounds = 64;             // in a solver substep
 
+constexpr Real kShortest = 50;  // over the squared support: largest eigenvalue of the Laplacian, 47 to 56 by the kernel
+
+// What makes the sum of Sweeps::viscous a Laplacian, times `by`.
+Real laplacian_factor(const FluidPool& p, Real by) {
+  const int d = p.dimension;
+  if (p.kernel->radial_viscosity) return 2 * static_cast<Real>(d + 2) * by * p.slope_factor;
+  const Real r2 = p.support * p.support, norm = static_cast<Real>(p.kernel->norm_viscosity[d - 2]);
+  return by * p.unit * norm / (r2 * p.support * (d == 3 ? r2 : p.support));
+}
+
 void viscous_round(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
   FEDER_ASSERT(h > 0 && p.desc.viscosity > 0);
-  const int d = p.dimension;
   const Real nu = p.viscous_scale * p.desc.viscosity / p.desc.density;
-  const Real r2 = p.support * p.support;
-  Real factor = 2 * static_cast<Real>(d + 2) * nu * p.slope_factor;
-  if (!p.kernel->radial_viscosity) {
-    const Real norm = static_cast<Real>(p.kernel->norm_viscosity[d - 2]);
-    factor = nu * p.unit * norm / (r2 * p.support * (d == 3 ? r2 : p.support));
-  }
+  const Real r2 = p.support * p.support, factor = laplacian_factor(p, nu);
   // between particles, explicit, all at once
   SweepInput in = p.sweep_input();
   in.soft = Real(1e-6) * r2;
@@ -112,10 +116,9 @@ void add_tension(FluidPool& p, Boundary&, Real h, StepContext& c) {
 
 void damp_noise(FluidPool& p, Real share, StepContext& c) {
   FEDER_ASSERT(share > 0 && share <= 1);
-  const Real d2 = p.desc.spacing * p.desc.spacing;
-  const Real factor = 2 * static_cast<Real>(p.dimension + 2) * p.slope_factor * d2 / 4;
+  const Real r2 = p.support * p.support, factor = laplacian_factor(p, r2 / kShortest);
   SweepInput in = p.sweep_input();
-  in.soft = Real(1e-6) * p.support * p.support;
+  in.soft = Real(1e-6) * r2;
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->viscous(in, first, last, &p.extra[0].x);
     for (std::uint32_t i = first; i < last; ++i) p.extra[i].set(factor * p.extra[i].vec());

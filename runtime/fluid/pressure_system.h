@@ -34,7 +34,8 @@ class PressureSystem {
     bool beyond = false;
   };
   Excess excess(FluidPool& p, Real bound, JobPool& jobs);
-  // Velocities `v`, from the multipliers in `lambda` on; allowed growth in `allowed`, 1/s. Pushes bodies.
+  // Velocities `v`, from the multipliers in `lambda` on; allowed growth in `allowed`, 1/s, and `compliance` for each
+  // multiplier. Pushes bodies.
   Result solve_velocities(double tolerance, int most, JobPool& jobs);
   // Displacements, in `extra`, of particles alone, from none; `allowed` is negative where the fluid is too dense.
   // Softened: each multiplier leaves some of the error.

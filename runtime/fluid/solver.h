@@ -61,7 +61,7 @@ std::span<const Variant<FluidSolver>> fluid_solvers();
 void add_viscosity(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 void add_tension(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 // Takes `share` of the shortest waves of the velocities out, less of longer ones by the fourth power of their number:
-// noise, not flow. Momentum and angular momentum stay.
+// noise, not flow. Momentum stays, with kernels of radial viscosity angular momentum as well.
 void damp_noise(FluidPool& p, Real share, StepContext& c);
 
 }  // namespace feder

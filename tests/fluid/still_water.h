@@ -9,9 +9,10 @@ namespace feder {
 
 struct StillWater {
   int dimension = 2, layers = 25, iterations = 4, substeps = 4;
-  double spacing = 0.0125;        // m
-  double seconds = 10, calm = 2;  // s; after `calm` nobody may be fast
-  std::string solver = "pbf";
+  double spacing = 0.0125;             // m
+  double seconds = 10, calm = 2;       // s; after `calm` nobody may be fast
+  double tolerance = 0;                // per cent; 0: the default
+  std::string solver = "pbf", kernel;  // empty: the solver's
 };
 
 struct StillWaterResult {
@@ -34,7 +35,8 @@ inline StillWaterResult run_still_water(const StillWater& s) {
   const double height = s.layers * s.spacing, width = 8 * s.spacing;
   add_tank(w, vec3(static_cast<Real>(width), 0, static_cast<Real>(width)));
   FluidDesc d;
-  d.solver = s.solver, d.spacing = static_cast<Real>(s.spacing), d.iterations = s.iterations;
+  d.solver = s.solver, d.kernel = s.kernel, d.spacing = static_cast<Real>(s.spacing), d.iterations = s.iterations;
+  if (s.tolerance > 0) d.tolerance = static_cast<Real>(s.tolerance);
   Fluid& f = w.need<Fluid>();
   const ObjectId id = f.add_fluid(d);
   std::vector<Vec3> points;

@@ -83,6 +83,19 @@ TEST_CASE("still water of dfsph stays still, and as dense as its tolerance says"
   }
 }
 
+TEST_CASE("still water of dfsph stays still whatever its kernel and tolerance", "[fluid][still]") {
+  StillWater s;
+  s.solver = "dfsph", s.layers = 16, s.spacing = 0.025;
+  s.dimension = kLarge ? GENERATE(2, 3) : 2;
+  s.kernel = GENERATE("wendland", "cubic", "poly6_spiky");
+  s.tolerance = GENERATE(1e-4, 1.0, 100.0);
+  s.seconds = 2.5 * kShare;
+  const StillWaterResult r = run_still_water(s);
+  CAPTURE(s.dimension, s.kernel, s.tolerance, r.top, r.speed, r.noise, r.burst, r.warned, r.excess);
+  CHECK(r.burst < 0);
+  if (kFull) CHECK(r.excess < 0.01);
+}
+
 TEST_CASE("water around a solid comes to rest", "[fluid][still]") {
   if (!kLarge || kAsserts) return;  // four seconds each
   const bool round = GENERATE(false, true);
