@@ -8,7 +8,7 @@ local length, depth, level, size = 1.8, 0.7, 0.5, 0.3
 
 return feder.scene {
   title = "Floating crates",
-  seconds = 6,
+  seconds = 4,
   camera = { yaw = feder.deg(20), pitch = feder.deg(20) },
   world = { gravity = { 0, -9.81, 0 }, dt = 1 / 60, substeps = 4 },
 
