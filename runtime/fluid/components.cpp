@@ -288,12 +288,12 @@ ColumnScales column_scales(const FluidPool& p, const Vec3& gravity, const StepCo
   constexpr Real kCompany = Real(0.2);  // least density over density at rest by neighbours
   struct Sums {
     Real speed2 = 0, low = kInfinity;
-    double depth = 0;
+    double depth = 0, roots = 0;
     std::uint32_t count = 0;
     Aabb box;
     void add(const Sums& s) {
       speed2 = std::max(speed2, s.speed2), low = std::min(low, s.low);
-      depth += s.depth, count += s.count;
+      depth += s.depth, roots += s.roots, count += s.count;
       box.include(s.box);
     }
   };
@@ -303,11 +303,16 @@ ColumnScales column_scales(const FluidPool& p, const Vec3& gravity, const StepCo
     if (p.ratio[i] < p.own_value + kCompany) return;
     const Real s = -dot(gravity, p.x[i].vec());
     sums.low = std::min(sums.low, s), sums.depth += static_cast<double>(s), ++sums.count;
+    sums.roots += static_cast<double>(std::sqrt(length(v)));
     sums.box.include(p.x[i].vec());
   });
   const Real g = length(gravity);
   ColumnScales column;
   column.speed2 = all.speed2, column.count = all.count, column.box = all.box;
+  if (all.count > 0) {
+    const double root = all.roots / all.count;
+    column.pace = static_cast<Real>(root * root);
+  }
   if (g > 0 && all.count > 0)
     column.height = 2 * (static_cast<Real>(all.depth / all.count) - all.low) / g + p.desc.spacing;
   return column;

@@ -18,6 +18,7 @@ FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext
 // The fluid as one column: of particles with neighbours, as isolated ones do not weigh on it.
 struct ColumnScales {
   Real speed2 = 0;  // largest of all particles, squared, m^2/s^2
+  Real pace = 0;    // typical speed, m/s: squared mean of the roots, so that few fast ones hardly count
   Real height = 0;  // twice the mean height above the lowest particle, m; 0 where there is none, or no gravity
   std::uint32_t count = 0;
   Aabb box;

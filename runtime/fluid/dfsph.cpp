@@ -30,10 +30,14 @@
 namespace feder {
 namespace {
 
-constexpr Real kCflTravel = Real(0.4);       // spacings that particles or bodies move in a solver substep
-constexpr int kMostIterations = 100;         // of a solve
-constexpr double kVelocityTolerance = 0.05;  // growth of the density in a substep, over the tolerance of the density;
-                                             // what is left of it is noise
+constexpr Real kCflTravel = Real(0.8);  // spacings that particles or bodies move in a solver substep
+constexpr int kMostIterations = 100;    // of a solve
+// Growth of the density that a solve may leave in a substep, over the tolerance: what is left of it is noise, which
+// calm water shows and a splash does not. Least and most, and over the way of a typical particle in a substep in
+// spacings.
+constexpr double kVelocityTolerance[2] = {0.05, 1}, kToleranceByTravel = 12;
+constexpr double kMostGrowth = 0.0005;      // of them, but for the least: more of it keeps itself alive
+constexpr Real kLivelyTravel = Real(0.04);  // in a substep, in spacings, of a typical particle that hears no noise
 constexpr Real kCarriedLoad = 1;  // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
 constexpr Real kMostRebound = Real(0.01);  // of the density ratio, that velocities take back in a substep
 constexpr Real kLoosest = Real(0.01);      // of the tolerances that are used: with looser ones water boils
@@ -81,6 +85,9 @@ class Dfsph final : public FluidSolver {
   void find_compliance(FluidPool& p) const;
   void damp(FluidPool& p, StepContext& c) const;
   static Real tolerance(const FluidPool& p) { return std::min(p.desc.tolerance / 100, kLoosest); }
+  // Of a typical particle in a substep, in spacings.
+  Real travel(const FluidPool& p) const { return h_ * p.pace / p.desc.spacing; }
+  double velocity_tolerance(const FluidPool& p) const;
   double list_pools(StepContext& c);
   PressureSystem system_;
   Real h_ = 0;  // s, of a solver substep
@@ -92,6 +99,7 @@ Real Dfsph::wanted_steps(FluidPool& p, const StepContext& c) const {
   const Real d = p.desc.spacing;
   const ColumnScales column = column_scales(p, gravity, c);
   const Real speed = speed_near(p, column, *boundary, kCflTravel * d, c);
+  p.pace = column.pace;
   p.head = length(gravity) * column.height;
   const Real load = p.head * c.h * c.h / (d * d);
   return std::ceil(std::max({c.h * speed / (kCflTravel * d), std::sqrt(load / kCarriedLoad), Real(1)}));
@@ -149,8 +157,15 @@ void Dfsph::find_compliance(FluidPool& p) const {
 // Without, still water goes on moving with the energy of its settling, as a thermal bath: pressure takes none.
 void Dfsph::damp(FluidPool& p, StepContext& c) const {
   const Real g = length(Vec3(p.desc.gravity_scale * c.gravity));
-  if (g > 0)
-    damp_noise(p, std::min(kMaxNoiseShare, h_ * kNoiseRate[p.dimension - 2] * std::sqrt(g / p.desc.spacing)), c);
+  if (!(g > 0) || travel(p) > kLivelyTravel) return;
+  damp_noise(p, std::min(kMaxNoiseShare, h_ * kNoiseRate[p.dimension - 2] * std::sqrt(g / p.desc.spacing)), c);
+}
+
+// Of the growth of the density in a substep.
+double Dfsph::velocity_tolerance(const FluidPool& p) const {
+  const double whole = static_cast<double>(tolerance(p)), least = kVelocityTolerance[0] * whole;
+  const double most = std::max(least, std::min(kVelocityTolerance[1] * whole, kMostGrowth));
+  return std::clamp(kToleranceByTravel * static_cast<double>(travel(p)) * whole, least, most);
 }
 
 // Lists the pools of the group in the system; the tolerance of the strictest.
@@ -182,8 +197,10 @@ void Dfsph::correct_density(StepContext& c) {
         p.allowed[i] = p.ratio[i] > 1 ? std::min(1 + kMostRebound - p.ratio[i], Real(0)) : 1 - p.ratio[i];
     });
   });
-  if (system_.solve_displacements(wanted, kMostIterations, *c.jobs).iterations == 0) return;
+  const int iterations = system_.solve_displacements(wanted, kMostIterations, *c.jobs).iterations;
+  if (iterations == 0) return;
   each(c, [&](FluidPool& p) {
+    p.iterations += static_cast<std::uint64_t>(iterations);
     const Real longest = kMaxShift * p.desc.spacing;
     c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) {
@@ -197,8 +214,10 @@ void Dfsph::correct_density(StepContext& c) {
 }
 
 void Dfsph::correct_velocities(StepContext& c) {
-  const double wanted = list_pools(c) * kVelocityTolerance / static_cast<double>(h_);
+  list_pools(c);
   if (system_.empty()) return;
+  double wanted = 1e300;
+  each(c, [&](FluidPool& p) { wanted = std::min(wanted, velocity_tolerance(p) / static_cast<double>(h_)); });
   each(c, [&](FluidPool& p) {
     const Vec3 kick = h_ * p.desc.gravity_scale * c.gravity;
     const Real scale = p.last_h > 0 ? h_ / p.last_h : Real(0);
@@ -220,6 +239,7 @@ void Dfsph::correct_velocities(StepContext& c) {
   });
   const PressureSystem::Result r = system_.solve_velocities(wanted, kMostIterations, *c.jobs);
   each(c, [&](FluidPool& p) {
+    p.iterations += static_cast<std::uint64_t>(r.iterations);
     p.unsolved = r.error > kMissed * wanted ? p.unsolved + h_ : Real(0);
     if (boundary->weighed) p.weigh_fixed(*boundary, c);
   });

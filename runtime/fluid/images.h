@@ -12,10 +12,9 @@
 // Rebuilt wherever the particles have moved. Weak spots: at convex edges images fill more than the solid; planes that
 // meet at a blunt angle count twice; three planes that meet leave the outermost eighth of the kernel empty.
 #pragma once
-#include <span>
-
 #include "base/jobs.h"
 #include "fluid/boundary.h"
+#include "sph/sweep_table.h"
 
 namespace feder {
 
@@ -23,43 +22,45 @@ struct FluidPool;
 
 class BoundaryImages {
  public:
-  explicit BoundaryImages(Arena& arena)
-      : terms_(&arena), back_(&arena), first_(&arena), back_first_(&arena), of_(&arena), pushes_(&arena) {}
+  explicit BoundaryImages(Arena& arena);
 
-  // Gradient of the density ratio of one particle by the position of the other, 1/m, and the index of that other.
-  struct Term {
-    Real x = 0, y = 0, z = 0;
-    std::uint32_t other = 0;
-    Vec3 gradient() const { return {x, y, z}; }
-  };
-  // By particle, from all its images together.
-  struct Sum {
-    Vec3 gradient = Vec3::Zero();  // of its ratio by its own position, 1/m
-    Real value = 0;                // of the ratio
-    Real squares = 0;              // of the gradients by the positions of others, 1/m^2
-  };
   // By contact: gradient of the ratio of its particle by a motion of the solid, less its sign.
   struct Push {
-    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();  // 1/m; 1, about the centre of the body
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();  // 1/m; 1, about the centre of the body, where that may turn
   };
 
   // For the positions, neighbours and contacts of the pool as they are.
   void build(const FluidPool& p, const Boundary& boundary, JobPool& jobs);
 
-  const Sum& of(std::uint32_t i) const { return of_[i]; }
-  const Push& push(std::uint32_t contact) const { return pushes_[contact]; }
-  // Of the ratio of i by others' positions.
-  std::span<const Term> terms(std::uint32_t i) const { return {&terms_[first_[i]], first_[i + 1] - first_[i]}; }
-  // Of the ratios of others by the position of i.
-  std::span<const Term> back(std::uint32_t i) const {
-    return {&back_[back_first_[i]], back_first_[i + 1] - back_first_[i]};
+  // For Sweeps::image_growth and image_push; their sums lack the factor of slopes.
+  const ImageInput& input() const { return input_; }
+  // Of particle i, from all its images together: its density ratio; the gradient of that by its own position, 1/m; the
+  // squared gradients by the positions of others, 1/m^2.
+  Real value(std::uint32_t i) const { return value_factor_ * sums_[i].value; }
+  Vec3 gradient(std::uint32_t i) const {
+    const WideReal* g = sums_[i].gradient;
+    return slope_factor_ * Vec3(g[0], g[1], g[2]);
   }
+  Real squares(std::uint32_t i) const { return slope_factor_ * slope_factor_ * sums_[i].squares; }
+  const Push& push(std::uint32_t contact) const { return pushes_[contact]; }
 
  private:
-  Array<Term> terms_, back_;
-  Array<std::uint32_t> first_, back_first_;  // by particle; one more than there are
-  Array<Sum> of_;
+  // As rows of ImageInput::faces.
+  struct Face {
+    Real x = 0, y = 0, z = 0, distance = 0;
+  };
+  void place_faces(const FluidPool& p, const Boundary& boundary, JobPool& jobs);
+
+  Real value_factor_ = 0, slope_factor_ = 0;
+  ImageInput input_;
+  Array<Face> faces_;  // by contact, and one far away
+  Array<std::uint32_t> shapes_;
+  Array<Real> moved_;  // by contact: ImageInput::pushes
   Array<Push> pushes_;
+  Array<Real> nearest_;  // by particle, these four
+  Array<std::uint32_t> block_first_, block_count_;
+  Array<ImageSum> sums_;
+  Array<ImageBlock> back_, there_;
 };
 
 }  // namespace feder

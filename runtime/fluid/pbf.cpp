@@ -242,7 +242,7 @@ void Pbf::solve(StepContext& c) {
       displace(p, c);
     }
     p.last_h = h_;
-    ++p.steps;
+    ++p.steps, p.iterations += static_cast<std::uint64_t>(p.desc.iterations);
   });
 }
 

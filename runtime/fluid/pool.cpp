@@ -210,7 +210,7 @@ void FluidPool::find_ratios(const Boundary& boundary, JobPool& jobs) {
     for (std::uint32_t i = first; i < last; ++i) {
       Real r = value_factor * sum[i] + own_value + screen[i];
       if (images)
-        r += images->of(i).value;
+        r += images->value(i);
       else
         for (const BoundaryContact& c : contacts_of(i)) r += table->at(c.distance(x[i].vec()) / support).value;
       ratio[i] = r;

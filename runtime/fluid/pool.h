@@ -53,18 +53,20 @@ struct FluidPool {
   Array<Real> lambda{&arena};
   Array<std::uint32_t> id{&arena};  // in the order of making
   std::uint32_t next_id = 0;
-  Real last_h = 0;          // s, of the substep that left lambda
-  Real sound = 0;           // wcsph: speed of sound of the last substep, m/s
-  Real sound_before = 0;    // wcsph: of the one before; 0: none. Work
-  Real settling = 0;        // wcsph: time in which pressure settles after a rise of it, s. Work
-  Real head = 0;            // dfsph: g H of its column, m^2/s^2. Work
-  Real compliance = 0;      // dfsph: growth of the density ratio that a multiplier is left, 1/(kg m^2). Work
-  Real too_dense = 0;       // pbf, dfsph: s, for which it has been denser than wanted
-  Real unsolved = 0;        // dfsph: s, for which velocities have missed their tolerance
-  std::uint64_t steps = 0;  // solver substeps since it was made, for reports
-  bool frozen = false;      // quarantined
-  std::uint32_t group = 0;  // in the loop of fluid substeps of this substep; work
-  bool fresh = false;       // filled since the last step
+  Real last_h = 0;        // s, of the substep that left lambda
+  Real sound = 0;         // wcsph: speed of sound of the last substep, m/s
+  Real sound_before = 0;  // wcsph: of the one before; 0: none. Work
+  Real settling = 0;      // wcsph: time in which pressure settles after a rise of it, s. Work
+  Real head = 0;          // dfsph: g H of its column, m^2/s^2. Work
+  Real pace = 0;          // dfsph: typical speed, m/s. Work
+  Real compliance = 0;    // dfsph: growth of the density ratio that a multiplier is left, 1/(kg m^2). Work
+  Real too_dense = 0;     // pbf, dfsph: s, for which it has been denser than wanted
+  Real unsolved = 0;      // dfsph: s, for which velocities have missed their tolerance
+  std::uint64_t steps = 0,
+                iterations = 0;  // solver substeps, and those of their solves, since it was made; for reports
+  bool frozen = false;           // quarantined
+  std::uint32_t group = 0;       // in the loop of fluid substeps of this substep; work
+  bool fresh = false;            // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
   Real filled_width = 0;  // m, of a fill since the last step that was narrower than the spacing; 0: none
   bool warned_spacing = false, warned_density = false;  // of another fluid that it touches

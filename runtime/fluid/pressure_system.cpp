@@ -67,8 +67,7 @@ void PressureSystem::prepare(JobPool& jobs) {
     jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
       for (std::uint32_t i = first; i < last; ++i) {
-        const BoundaryImages::Sum& of = p.images->of(i);
-        const Vec3 open = p.slope_factor * p.move[i].vec() + of.gradient;
+        const Vec3 open = p.slope_factor * p.move[i].vec() + p.images->gradient(i);
         Real shared = 0;
         for (std::uint32_t at = p.contact_first[i]; at < p.contact_first[i + 1]; ++at) {
           const BoundaryBody& b = boundary_->body_of(p.contacts[at]);
@@ -77,20 +76,18 @@ void PressureSystem::prepare(JobPool& jobs) {
           shared += slope * std::max(b.contact_weight, slope) * b.response(p.x[i].vec(), p.contacts[at].normal);
         }
         p.diagonal[i] =
-            inv_mass * std::max(p.least_squares, open.squaredNorm() + of.squares + rs * p.squares[i]) + shared;
-        p.ratio[i] = p.value_factor * p.move[i].w + p.own_value + p.screen[i] + of.value;
+            inv_mass * std::max(p.least_squares, open.squaredNorm() + p.images->squares(i) + rs * p.squares[i]) +
+            shared;
+        p.ratio[i] = p.value_factor * p.move[i].w + p.own_value + p.screen[i] + p.images->value(i);
         p.air[i] = p.table->air(length(open) * p.support);
       }
     });
   }
 }
 
-// What the boundary adds to the growth of the ratio of particle i.
-Real PressureSystem::wall_growth(const FluidPool& p, std::uint32_t i, const Array<Row4>& u, bool of_moved) const {
-  if (p.contact_first[i] == p.contact_first[i + 1]) return 0;
-  Real sum = dot(p.images->of(i).gradient, u[i].vec());
-  for (const BoundaryImages::Term& t : p.images->terms(i)) sum += dot(t.gradient(), u[t.other].vec());
-  if (!bodies_) return sum;
+// What the motion of the boundary adds to the growth of the ratio of particle i.
+Real PressureSystem::wall_growth(const FluidPool& p, std::uint32_t i, bool of_moved) const {
+  Real sum = 0;
   for (std::uint32_t at = p.contact_first[i]; at < p.contact_first[i + 1]; ++at) {
     const std::uint32_t n = boundary_->shapes[p.contacts[at].shape].body;
     const BoundaryBody& b = boundary_->bodies[n];
@@ -112,11 +109,8 @@ void PressureSystem::press(JobPool& jobs) {
     const Real inv_mass = 1 / p.mass;
     jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       p.sweeps->push(in, first, last, &p.move[0].x);
-      for (std::uint32_t i = first; i < last; ++i) {
-        Vec3 a = p.slope_factor * p.move[i].vec() + p.x[i].w * p.images->of(i).gradient;
-        for (const BoundaryImages::Term& t : p.images->back(i)) a += p.x[t.other].w * t.gradient();
-        p.move[i].set(-inv_mass * a);
-      }
+      p.sweeps->image_push(in, p.images->input(), first, last, &p.move[0].x);
+      for (std::uint32_t i = first; i < last; ++i) p.move[i].set(-inv_mass * p.slope_factor * p.move[i].vec());
     });
     p.move[p.count] = {};
     if (!bodies_) continue;
@@ -142,11 +136,12 @@ void PressureSystem::grow(JobPool& jobs, bool of_moved) {
     const Array<Row4>& u = of_moved ? p.move : state(p);
     SweepInput in = p.sweep_input();
     in.velocity = &u[0].x;
+    const bool moving = bodies_ && (of_moved ? !p.dynamic_contacts.empty() : boundary_moves_);
     jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       p.sweeps->growth(in, first, last, p.sum.data());
+      p.sweeps->image_growth(in, p.images->input(), first, last, p.sum.data());
       for (std::uint32_t i = first; i < last; ++i) {
-        Real sum = p.slope_factor * p.sum[i];
-        sum += wall_growth(p, i, u, of_moved);
+        const Real sum = p.slope_factor * p.sum[i] + (moving ? wall_growth(p, i, of_moved) : Real(0));
         const Real held = of_moved ? p.x[i].w : multipliers(p)[i];
         p.sum[i] = sum - (bodies_ ? p.compliance : kSoftness * p.diagonal[i]) * held;
       }
@@ -234,7 +229,11 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
 PressureSystem::Result PressureSystem::solve_velocities(double tolerance, int most, JobPool& jobs) {
   bodies_ = true;
   before_.clear();
-  for (const BoundaryBody& b : boundary_->bodies) before_.push_back({b.velocity, b.angular_velocity});
+  boundary_moves_ = false;
+  for (const BoundaryBody& b : boundary_->bodies) {
+    before_.push_back({b.velocity, b.angular_velocity});
+    boundary_moves_ = boundary_moves_ || b.dynamic || !b.velocity.isZero(0) || !b.angular_velocity.isZero(0);
+  }
   each(jobs, [](FluidPool& p, std::uint32_t i) { p.next_weight[i] = p.lambda[i]; });
   press(jobs);
   step(1, jobs);

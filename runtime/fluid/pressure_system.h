@@ -54,7 +54,7 @@ class PressureSystem {
   void each(JobPool& jobs, F&& f);  // f(pool, i)
   Array<Row4>& state(FluidPool& p) const { return bodies_ ? p.v : p.extra; }
   Array<Real>& multipliers(FluidPool& p) const { return bodies_ ? p.lambda : p.shifts; }
-  Real wall_growth(const FluidPool& p, std::uint32_t i, const Array<Row4>& u, bool of_moved) const;
+  Real wall_growth(const FluidPool& p, std::uint32_t i, bool of_moved) const;
   void press(JobPool& jobs);                // direction in `next_weight` -> M^-1 G^T of it, in `move` and moved_
   void grow(JobPool& jobs, bool of_moved);  // G of that, softened, or of the state, to `sum`
   void step(Real size, JobPool& jobs);
@@ -65,6 +65,7 @@ class PressureSystem {
   std::vector<FluidPool*> pools_;
   Boundary* boundary_ = nullptr;
   bool bodies_ = false;  // velocities, not displacements
+  bool boundary_moves_ = false;
   Array<Sums> sums_;
   struct Motion {
     Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();

@@ -157,5 +157,6 @@ void Fluid::list_contact_states(Array<FluidContactState>& out) const {
 }
 
 std::uint64_t Fluid::solver_substeps(ObjectId fluid) const { return impl_->pool(fluid).steps; }
+std::uint64_t Fluid::solver_iterations(ObjectId fluid) const { return impl_->pool(fluid).iterations; }
 
 }  // namespace feder

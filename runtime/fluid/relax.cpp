@@ -35,8 +35,7 @@ Real excess_of(FluidPool& p, const Boundary& boundary, const StepContext& c) {
       Vec3 open = p.slope_factor * p.move[i].vec();
       Real walled = 0, steep = 0;
       if (p.images) {
-        const BoundaryImages::Sum& of = p.images->of(i);
-        walled = of.value, steep = of.squares, open += of.gradient;
+        walled = p.images->value(i), steep = p.images->squares(i), open += p.images->gradient(i);
       } else
         for (const BoundaryContact& k : p.contacts_of(i)) {
           const BoundaryTerms s = p.table->at(k.distance(p.x[i].vec()) / p.support);
@@ -69,12 +68,10 @@ void push_apart(FluidPool& p, JobPool& jobs) {
       FEDER_ASSERT(!(p.x[i].w > 0));  // particles are pushed apart, never together
   jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->push(in, first, last, &p.move[0].x);
+    if (p.images) p.sweeps->image_push(in, p.images->input(), first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
       Vec3 move = p.slope_factor * p.move[i].vec();
-      if (p.images) {
-        move += p.x[i].w * p.images->of(i).gradient;
-        for (const BoundaryImages::Term& t : p.images->back(i)) move += p.x[t.other].w * t.gradient();
-      } else
+      if (!p.images)
         for (const BoundaryContact& k : p.contacts_of(i)) {
           const Real d = k.distance(p.x[i].vec());
           move -= p.x[i].w * p.table->at(d / p.support).slope / p.support * k.normal;

@@ -16,6 +16,37 @@ struct SweepInput {
   WideReal damping = 0;      // of push_damped
 };
 
+// Eight particles whose images particle i sees, and which see its images: gradients of a density by a position, over
+// the factor of slopes. Half a kilobyte for each particle near a solid: read in order, and each sum reads only its own.
+struct ImageBlock {
+  Lane8x3 gradient;
+  unsigned other[kLanes];
+};
+// Of all images that a particle sees.
+struct ImageSum {
+  WideReal gradient[3] = {0, 0, 0};  // by its own position
+  WideReal value = 0, squares = 0;   // sum of value(u); of the squared gradients by the positions of others
+};
+// Images of the particles behind solids, see fluid/images.h.
+struct ImageInput {
+  static constexpr unsigned long kPush = 6;
+  const WideReal* faces = nullptr;    // by contact: normal out of the solid, distance of its particle, m
+  const unsigned* shapes = nullptr;   // by contact
+  const unsigned* first = nullptr;    // contacts of a particle; one more than there are
+  const WideReal* nearest = nullptr;  // by particle: least distance, m; the support where there is none
+  const unsigned* counts = nullptr;   // of neighbours
+  unsigned far_face = 0, far_particle = 0;
+  WideReal support = 0;               // m
+  WideReal corner = 0, opposite = 0;  // cosines: up to which two planes form a corner; of normals on opposite sides
+  bool moments = false;               // of the pushes are asked for
+  const unsigned* block_first = nullptr;
+  ImageBlock* back = nullptr;   // of the others by the position of i; as well what they add to that of i by its own
+  ImageBlock* there = nullptr;  // of i by the positions of the others
+  unsigned* block_count = nullptr;
+  ImageSum* sums = nullptr;
+  WideReal* pushes = nullptr;  // by contact: the gradient by a motion of the solid, and its moment about the particle
+};
+
 // Sums over the neighbours j of the particles i in [first, last); x = x_i - x_j, g = slope(u). Four numbers per
 // particle where the output is called out4.
 struct Sweeps {
@@ -28,8 +59,12 @@ struct Sweeps {
   void (*push_from)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   // g x . (v_i - v_j), positive where they approach
   void (*growth)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
-  void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);   // cohesion(u) x / u
-  void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // see Kernel::radial_viscosity
+  void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);     // cohesion(u) x / u
+  void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);    // see Kernel::radial_viscosity
+  void (*images)(const SweepInput&, const ImageInput&, unsigned first, unsigned last);  // fills its outputs
+  // What images add to growth and push: the sums of their gradients with velocities and weights.
+  void (*image_growth)(const SweepInput&, const ImageInput&, unsigned first, unsigned last, WideReal* out);
+  void (*image_push)(const SweepInput&, const ImageInput&, unsigned first, unsigned last, WideReal* out4);
 };
 
 }  // namespace feder

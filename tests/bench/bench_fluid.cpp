@@ -1,12 +1,14 @@
 // Microseconds per particle and step of a fluid's solvers, by row of the plan, beside a plain loop: the density sum of
 // the same particles over their neighbours, one pair at a time.
-//   bench_fluid [spacing = 0.025] [steps = 20]
+//   bench_fluid [spacing = 0.025] [steps = 20] [solver] [substeps = 4]
 // A column of 1 x 1 x 0.5 m collapses in a tank (as in ../shared/peers: 6,859 particles are spacing 0.042). A step of
-// wcsph is one of its own. The least of the steps counts, because the machine may be shared.
+// wcsph is one of its own. The least of the steps counts, because the machine may be shared. With a solver: it alone,
+// at the defaults of a world, for one simulated second; processor time, substeps, iterations and error of the density.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 
 #include "base/jobs.h"
 #include "feder/profile.h"
@@ -82,11 +84,45 @@ void bench(const char* solver, Real spacing, int steps) {
                   row.name);
 }
 
+void second(const char* solver, Real spacing, int substeps) {
+  WorldDesc desc = fluid_world(3, 1);
+  desc.dt = Real(1) / 60, desc.substeps = substeps;
+  World w(desc, fluid_catalog());
+  add_tank(w, vec3(4, 0, Real(0.5)));
+  FluidDesc d;
+  d.solver = solver, d.spacing = spacing, d.max_substeps = 1000;
+  const ObjectId id = add_water(w, d, vec3(1, 1, Real(0.5)));
+  Fluid& f = w.need<Fluid>();
+  double error = 0, taken = 0;
+  for (int k = 0; k < 60; ++k) {
+    const std::clock_t from = std::clock();
+    w.step();
+    taken += static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC;
+    double mean = 0, most = 0;
+    w.query<Fluid>()->density_error(id, mean, most);
+    error += mean / 60;
+  }
+  const double count = static_cast<double>(f.particle_count(id)), steps = static_cast<double>(f.solver_substeps(id)),
+               iterations = static_cast<double>(f.solver_iterations(id));
+  std::printf(
+      "%s: %.0f particles, a second in %.2f s: %.0f substeps, %.1f iterations in each, mean error %.3f %%, "
+      "%.3f us per particle and substep\n",
+      solver, count, taken, steps, iterations / steps, 100 * error, 1e6 * taken / count / steps);
+  double total = 0;
+  for (const PlanNode& row : w.plan().nodes())
+    if (!row.is_loop) total += row.counter.total_nanoseconds();
+  for (const PlanNode& row : w.plan().nodes())
+    if (!row.is_loop && static_cast<double>(row.counter.total_nanoseconds()) > 0.005 * total)
+      std::printf("  %5.1f %%  %s / %s\n", 100 * static_cast<double>(row.counter.total_nanoseconds()) / total,
+                  row.system, row.name);
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   const Real spacing = argc > 1 ? static_cast<Real>(std::atof(argv[1])) : Real(0.025);
   const int steps = argc > 2 ? std::atoi(argv[2]) : 20;
+  if (argc > 3) return second(argv[3], spacing, argc > 4 ? std::atoi(argv[4]) : 4), 0;
   bench("pbf", spacing, steps);
   bench("wcsph", spacing, steps);
 }

@@ -172,8 +172,10 @@ class Fluid final : public System {
                              std::uint32_t mask) const;
   Real particle_mass(ObjectId fluid) const;
   FluidDesc desc(ObjectId fluid) const;
-  std::uint64_t solver_substeps(ObjectId fluid) const;  // solver substeps since the fluid was made
-  ObjectId fluid_of(ObjectId source) const;             // of an emitter or drain
+  // Since the fluid was made: solver substeps, and in them iterations for the pressure; wcsph has none.
+  std::uint64_t solver_substeps(ObjectId fluid) const;
+  std::uint64_t solver_iterations(ObjectId fluid) const;
+  ObjectId fluid_of(ObjectId source) const;  // of an emitter or drain
 
   // For couplings: the boundary of the coming substep, filled before the fluid's passes, and before queries.
   Boundary& boundary();
