@@ -208,7 +208,9 @@ void FluidCloth::read_back(StepContext& c) {
     FluidPool& p = fluid_.pool_at(k.pool);
     const Vec3 gain = solver_bodies_.state[k.solver_index].velocity - k.given;
     if (k.solver_index >= own_bodies_ && !gain.isZero(0)) {
-      p.x[k.particle].set(p.origin[k.particle].vec() + surfaces_.body_delta_position[k.solver_index]);
+      const Vec3 now = p.origin[k.particle].vec() + surfaces_.body_delta_position[k.solver_index];
+      faces_.particle_moved(length(Vec3(now - p.x[k.particle].vec())));
+      p.x[k.particle].set(now);
       p.v[k.particle].set(p.v[k.particle].vec() + gain);
     }
     for (int i = 0; i < 3; ++i)
@@ -221,7 +223,7 @@ void FluidCloth::read_back(StepContext& c) {
     return Vec3(cloth_.vertices().position[i] + surfaces_.delta_position[i].vec());
   };
   faces_.follow(fluid_, now);
-  faces_.project(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) { project_out(k, hit, c); });
+  faces_.project(fluid_, [&](const FaceContact& k, const FaceHit& hit) { project_out(k, hit, c); });
   contact_states_.end_substep();
 }
 
