@@ -7,7 +7,7 @@
 using namespace feder;
 
 TEST_CASE("a blob hits a free sheet: momentum and angular momentum are kept", "[couple][fluid][cloth]") {
-  const std::string solver = GENERATE(std::string("pbf"), std::string("wcsph"));
+  const std::string solver = GENERATE(std::string("pbf"), std::string("wcsph"), std::string("dfsph"));
   WorldDesc wd;
   wd.gravity = Vec3(0, 0, 0);
   wd.dt = 1.0 / 120;

@@ -7,7 +7,7 @@
 using namespace feder;
 
 TEST_CASE("a blob hits a free net: momentum and angular momentum are kept", "[couple][fluid][springs]") {
-  const std::string solver = GENERATE(std::string("pbf"), std::string("wcsph"));
+  const std::string solver = GENERATE(std::string("pbf"), std::string("wcsph"), std::string("dfsph"));
   WorldDesc wd;
   wd.gravity = Vec3(0, 0, 0);
   wd.options.set("air_density", 0.0);
