@@ -111,6 +111,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
   };
   constexpr JobGrain kRun{64, 3'000};  // particles that share a list of shapes
   found_pose.clear();
+  fast_shapes.reserve(boundary.shapes.size());
   for (const BoundaryShape& w : boundary.shapes) found_pose.push_back(w.pose);
 
   // count the contacts of each particle; then the first index of each run
