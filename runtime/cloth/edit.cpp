@@ -219,7 +219,8 @@ Cloth::Info Cloth::info(std::size_t n) const {
 const ClothVertices& Cloth::vertices() const { return impl_->vertices; }
 void Cloth::set_impact(std::size_t n, Real acceleration, Real speed) {
   FEDER_ASSERT(!(acceleration < 0 || speed < 0));
-  impl_->sheets[n]->impact = acceleration, impl_->sheets[n]->approach_speed = speed;
+  Sheet& s = *impl_->sheets[n];
+  s.impact = std::max(s.impact, acceleration), s.approach_speed = std::max(s.approach_speed, speed);
 }
 void Cloth::set_load(std::size_t n, Real mass) {
   FEDER_ASSERT(n < impl_->sheets.size() && !(mass < 0));

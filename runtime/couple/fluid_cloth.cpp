@@ -17,6 +17,7 @@ namespace feder {
 namespace {
 
 constexpr Real kWakeCloth = Real(1e-6);  // N s per kg of cloth: more than rounding
+constexpr Real kCarried = Real(0.1);     // least share of the weight of the fluid near a cloth that the cloth carries
 
 }  // namespace
 
@@ -82,9 +83,43 @@ void FluidCloth::wake(StepContext& c) {
   }
   contact_states_.clear();
   pressed_.clear();
-  for (const FaceSurface& s : faces_.surfaces) pressed_.push_back({s.object, 0, 0});
+  for (const FaceSurface& s : faces_.surfaces) pressed_.push_back({s.object, 0, 0, 0});
+  for (const FaceSurface& s : faces_.surfaces)
+    if (!cloth_.info(s.index).asleep) find_impact(s.index, c);
   mismatch_ = given_ = force_ = 0;
   projected_ = 0;
+}
+
+// What flies at a sheet has to be stopped within a sixteenth of its size: its energy says how fast that has to be, and
+// with it how many solver substeps the sheet takes (Cloth::set_impact). With too few, the sheet throws it back faster
+// than it came.
+void FluidCloth::find_impact(std::size_t n, StepContext& c) {
+  const ClothVertices& v = cloth_.vertices();
+  const Cloth::Info info = cloth_.info(n);
+  Aabb now, swept;
+  Vec3 momentum = Vec3::Zero();
+  Real mass = 0;
+  for (std::uint32_t i = info.first; i < info.first + info.count; ++i) {
+    now.include(v.position[i]), swept.include(Vec3(v.position[i] + c.dt * v.velocity[i]));
+    momentum += v.mass[i] * v.velocity[i], mass += v.mass[i];
+  }
+  swept.include(now);
+  const Vec3 mean = momentum / mass;
+  double energy = 0, arriving = 0;  // twice that of the particles that may arrive in this step, J; their mass, kg
+  for (std::size_t k = 0; k < fluid_.pool_count(); ++k) {
+    const FluidPool& p = fluid_.pool_at(k);
+    if (!(p.desc.group & info.mask) || !(info.group & p.desc.mask)) continue;
+    Aabb box = swept;
+    box.grow(p.desc.spacing + info.thickness);
+    for (std::uint32_t i = 0; i < p.count; ++i) {
+      const Vec3 x = p.x[i].vec(), u = p.v[i].vec() - mean, to = x + c.dt * u;
+      if (!overlaps(box, Aabb{x.cwiseMin(to), x.cwiseMax(to)})) continue;
+      energy += static_cast<double>(p.mass) * static_cast<double>(dot(u, u)), arriving += static_cast<double>(p.mass);
+    }
+  }
+  pressed_[n].near = static_cast<Real>(arriving);
+  const Real size = (now.hi - now.lo).maxCoeff();
+  if (energy > 0 && size > 0) cloth_.set_impact(n, static_cast<Real>(8 * energy / static_cast<double>(mass * size)), 0);
 }
 
 // Sheets that particles may reach in this step act on each other through them, so they form one group.
@@ -208,7 +243,9 @@ void FluidCloth::read_back(StepContext& c) {
     FluidPool& p = fluid_.pool_at(k.pool);
     const Vec3 gain = solver_bodies_.state[k.solver_index].velocity - k.given;
     if (k.solver_index >= own_bodies_ && !gain.isZero(0)) {
-      p.x[k.particle].set(p.origin[k.particle].vec() + surfaces_.body_delta_position[k.solver_index]);
+      const Vec3 now = p.origin[k.particle].vec() + surfaces_.body_delta_position[k.solver_index];
+      faces_.particle_moved(length(Vec3(now - p.x[k.particle].vec())));
+      p.x[k.particle].set(now);
       p.v[k.particle].set(p.v[k.particle].vec() + gain);
     }
     for (int i = 0; i < 3; ++i)
@@ -221,7 +258,7 @@ void FluidCloth::read_back(StepContext& c) {
     return Vec3(cloth_.vertices().position[i] + surfaces_.delta_position[i].vec());
   };
   faces_.follow(fluid_, now);
-  faces_.project(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) { project_out(k, hit, c); });
+  faces_.project(fluid_, [&](const FaceContact& k, const FaceHit& hit) { project_out(k, hit, c); });
   contact_states_.end_substep();
 }
 
@@ -257,12 +294,17 @@ void FluidCloth::finish(StepContext& c) {
     const Cloth::Info info = cloth_.info(n);
     FEDER_ASSERT(p.cloth == info.object && !(p.all < std::abs(p.along) * Real(0.999)));
     Real own = 0;
-    for (std::uint32_t i = info.first; i < info.first + info.count; ++i) own += cloth_.vertices().mass[i];
+    bool held = false;
+    for (std::uint32_t i = info.first; i < info.first + info.count; ++i)
+      own += cloth_.vertices().mass[i], held = held || cloth_.vertices().inv_mass[i] == 0;
     if (p.all < kWakeCloth * own) p.all = 0;
     force_ += static_cast<double>(p.along / c.dt);
     if (info.asleep || !(g > 0)) continue;
-    const Real on = std::max(p.along, Real(0)) / (g * c.dt);
-    cloth_.set_load(n, std::min(cloth_.load(n) + on, Cloth::kMaxLoad * own));
+    Real on = std::max(p.along, Real(0)) / (g * c.dt);
+    // a cloth without pins lies on something; one with pins carries all the fluid near it, also while that jumps: with
+    // a number of substeps that comes and goes, it would go on jumping
+    if (held && on > kCarried * p.near) on = p.near;
+    cloth_.set_load(n, std::min(cloth_.load(n) + on, std::max(Cloth::kMaxLoad * own, held ? p.near : Real(0))));
   }
   contact_states_.report(contacts_, finder_, objects_);
 }

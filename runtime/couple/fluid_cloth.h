@@ -30,6 +30,7 @@ class FluidCloth final : public System {
     ObjectId cloth;
     Real along = 0;  // impulse along gravity, N s
     Real all = 0;    // sum of the magnitudes of the impulses, N s
+    Real near = 0;   // mass of fluid that may reach it, kg
   };
   // A fluid particle in contact, as a solver body for the surface substeps of a substep.
   struct ParticleBody {
@@ -48,6 +49,7 @@ class FluidCloth final : public System {
 
   bool wet(const Aabb& box, Real seconds) const;
   void list_surfaces();
+  void find_impact(std::size_t n, StepContext& c);
   void drop_rows();
   void project_out(const FaceContact& k, const FaceHit& hit, StepContext& c);
   ObjectId fluid_of(std::uint32_t pool) const;

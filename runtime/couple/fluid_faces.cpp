@@ -6,15 +6,14 @@
 #include <cmath>
 
 #include "geom/closest.h"
+#include "geom/swept_triangle.h"
 
 namespace feder {
 namespace {
 
 constexpr Real kSlack = Real(0.1);      // of the spacing: margin within which contacts are listed
 constexpr Real kClearance = Real(0.3);  // of the distance at rest, that every particle keeps
-// Margin of barycentric weights: a path counts as through the triangle up to so far beyond its edges, which is less
-// than a particle's size; relative paths are straight to second order only.
-constexpr Real kInside = Real(0.1);
+constexpr Real kOffEdge = Real(0.02);   // least weight of each corner where a particle stays on a face
 
 void nearest_weights(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, Vec3& q, Real (&w)[3]) {
   q = closest_on_triangle(x, a, b, c);
@@ -94,6 +93,7 @@ void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
 void FluidFaces::find(Fluid& fluid) {
   FEDER_ASSERT(end.size() == start.size() && box_.size() == faces_.size());
   contacts.clear();
+  moved_ = 0;
   allowed_ = kInfinity;
   for (std::size_t n = 0; n < fluid.pool_count(); ++n)
     allowed_ = std::min(allowed_, kSlack * fluid.pool_at(n).desc.spacing);
@@ -169,32 +169,61 @@ bool FluidFaces::near(Fluid& fluid, const FaceSurface& s, Real margin) const {
   return false;
 }
 
-// Continuous collision detection in coordinates of the triangle (weights, and height over its plane), in which the
-// particle's path is straight to second order in the substep: it passed where its height changes sign within the
-// triangle (compare the cubic of Provot 1997, which is exact).
-bool FluidFaces::caught(const FaceContact& k, const Vec3& from, const Vec3& to, const Vec3 (&now)[3],
-                        FaceHit& hit) const {
-  const Vec3 a = start[k.vertex[0]], b = start[k.vertex[1]], e = start[k.vertex[2]];
-  const Vec3 up0 = normalized_or(cross(Vec3(b - a), Vec3(e - a)), k.normal);
-  const Vec3 up1 = normalized_or(cross(Vec3(now[1] - now[0]), Vec3(now[2] - now[0])), k.normal);
-  const Real before = dot(up0, Vec3(from - a)), after = dot(up1, Vec3(to - now[0]));
-  const Real side = before < 0 ? Real(-1) : Real(1), keep = kClearance * k.rest;
-  Real w0[3], w1[3];
-  plane_weights(from, a, b, e, w0), plane_weights(to, now[0], now[1], now[2], w1);
-  // weights where the height changes sign, or at the end
-  const bool passed = after * side < 0;
-  const Real s = passed ? before / (before - after) : Real(1);
-  FEDER_ASSERT(!(s < 0 || s > 1));
-  for (int i = 0; i < 3; ++i) {
-    hit.weight[i] = w0[i] + s * (w1[i] - w0[i]);
-    if (hit.weight[i] < -kInside) return false;
+// A particle that met a face stays on it to the end of the substep, at the point where they met: wherever the sheet
+// went meanwhile, that is on its side of it. Then it leaves it for its clearance, as far as no other face is in
+// between: a fold closes over particles without losing them.
+const FaceContact* FluidFaces::first_met(std::span<const FaceContact> of, const Vec3& from, const Vec3& to,
+                                         FaceHit& hit) const {
+  const auto corners = [](const FaceContact& k, const Array<Vec3>& at, Vec3(&out)[3]) {
+    for (int i = 0; i < 3; ++i) out[i] = at[k.vertex[i]];
+  };
+  const FaceContact* by = nullptr;
+  SweptHit met;
+  for (const FaceContact& k : of) {
+    Vec3 then[3], now[3];
+    corners(k, start, then), corners(k, end, now);
+    if (SweptTriangle(from, to, then, now).first(met)) by = &k;
   }
-  if (!passed && (after * side >= keep || before * side < keep / 2)) return false;
-  hit.when = passed ? s : Real(2);
-  hit.normal = side * up1;
-  hit.position = keep * hit.normal;
-  for (int i = 0; i < 3; ++i) hit.position += hit.weight[i] * now[i];
-  return true;
+  Vec3 now[3];
+  if (by) {
+    corners(*by, end, now);
+    Real sum = 0;
+    for (int i = 0; i < 3; ++i) hit.weight[i] = std::max(met.weight[i], kOffEdge), sum += hit.weight[i];
+    Vec3 on = Vec3::Zero();
+    for (int i = 0; i < 3; ++i) hit.weight[i] /= sum, on += hit.weight[i] * now[i];
+    const Vec3 front = normalized_or(cross(Vec3(now[1] - now[0]), Vec3(now[2] - now[0])), by->normal);
+    hit.normal = met.from_front ? front : Vec3(-front);
+    hit.position = clear_of_others(on, on + kClearance * by->rest * hit.normal, by);
+    return by;
+  }
+  for (const FaceContact& k : of) {
+    Vec3 then[3];
+    corners(k, start, then), corners(k, end, now);
+    const Vec3 up0 = normalized_or(cross(Vec3(then[1] - then[0]), Vec3(then[2] - then[0])), k.normal);
+    const Vec3 up1 = normalized_or(cross(Vec3(now[1] - now[0]), Vec3(now[2] - now[0])), k.normal);
+    const Real before = dot(up0, Vec3(from - then[0])), after = dot(up1, Vec3(to - now[0]));
+    const Real side = before < 0 ? Real(-1) : Real(1), keep = kClearance * k.rest;
+    if (after * side < 0 || after * side >= keep || before * side < keep / 2) continue;
+    plane_weights(to, now[0], now[1], now[2], hit.weight);
+    if (*std::min_element(hit.weight, hit.weight + 3) < 0) continue;
+    hit.normal = side * up1;
+    hit.position = clear_of_others(to, to + (keep - after * side) * hit.normal, &k);
+    return &k;
+  }
+  return nullptr;
+}
+
+Vec3 FluidFaces::clear_of_others(const Vec3& from, const Vec3& to, const FaceContact* on) const {
+  Aabb box{from.cwiseMin(to), from.cwiseMax(to)};
+  box.grow(length(Vec3(to - from)));
+  SweptHit met;
+  tree_.query(box, [&](std::uint32_t f) {
+    const Face& face = faces_[f];
+    if (std::equal(face.v, face.v + 3, on->vertex)) return;
+    const Vec3 now[3] = {end[face.v[0]], end[face.v[1]], end[face.v[2]]};
+    SweptTriangle(from, to, now, now).first(met);
+  });
+  return met.when > 1 ? to : Vec3(from + static_cast<Real>(met.when / 2) * (to - from));
 }
 
 void FluidFaces::validate() const {

@@ -9,10 +9,11 @@
 // So pressure reaches a sheet as the push of the layer of particles that lies on it. (Pressing on light sheets from
 // inside the fluid's iterations, as on bodies, either moves the sheet away from under the fluid or, with the sheet
 // fixed, exchanges impulses explicitly, which diverges as soon as the fluid is heavier: Causin, Gerbeau & Nobile 2005.)
-// The side is that at the start of the substep; contacts and projection use the motion since. Kept between calls:
-// screens and origins, in the pools. Weak spot: where particles come with several spacings in a substep and fold the
-// faces over each other, some find a gap: of 1500 in a jet on a pinned sheet of 0.2 kg/m2 with cells of three spacings,
-// 1 to 3 at 20 to 30 m/s and 11 to 41 at 40 to 80 m/s; none up to 50 m/s at 0.5 kg/m2.
+// The side is that at the start of the substep. What the contacts leave is projected: by continuous collision detection
+// of each particle's path against the faces' (geom/swept_triangle.h), so that nothing passes as long as sheets do not
+// pass through themselves, however fast particles come, however light the sheet is and however it folds. Kept between
+// calls: screens and origins, in the pools. Weak spot: particles between layers of a sheet that lie closer together
+// than its clearance have no room.
 #pragma once
 #include "bounds/box_tree.h"
 #include "feder/fluid.h"
@@ -43,7 +44,6 @@ struct FaceContact {
 
 // Where a particle met a face.
 struct FaceHit {
-  Real when = 2;
   Real weight[3] = {};           // of the face's points
   Vec3 normal = Vec3::Zero();    // to the side it started from
   Vec3 position = Vec3::Zero();  // allowed position, m
@@ -62,10 +62,12 @@ class FluidFaces {
   void screen(Fluid& fluid, const StepContext& c);
   // After the fluid has moved: finds candidate contacts. Needs `end`.
   void find(Fluid& fluid);
-  // Sets `end` to the true positions, and finds candidates again where points differ by too much from the prediction.
+  // After a coupling has moved a particle since find(): m.
+  void particle_moved(Real far) { moved_ = std::max(moved_, far); }
+  // Sets `end` to the true positions, and finds candidates again where points or particles differ by too much.
   template <class Point>
   void follow(Fluid& fluid, Point&& point) {
-    Real far = 0;
+    Real far = moved_ * moved_;
     for (std::uint32_t i = 0; i < end.size(); ++i) {
       const Vec3 now = point(i), d = now - end[i];
       far = std::max(far, dot(d, d));
@@ -73,31 +75,24 @@ class FluidFaces {
     }
     if (far > allowed_ * allowed_) find(fluid);
   }
-  // Calls hit(contact, FaceHit) for particles that ended beyond a face or too near to one, once each: for the first
-  // face that they passed. `point(i)`: present position of a point.
-  template <class Point, class F>
-  void project(Fluid& fluid, Point&& point, F&& hit) const {
-    for (std::size_t n = 0; n < contacts.size();) {
+  // Non-penetration projection, after follow(): calls hit(contact, FaceHit) for particles that ended beyond a face or
+  // too near to one, once each.
+  template <class F>
+  void project(Fluid& fluid, F&& hit) const {
+    for (std::size_t n = 0, next = 0; n < contacts.size(); n = next) {
       const FaceContact& first = contacts[n];
       FEDER_ASSERT(n == 0 || contacts[n - 1].pool < first.pool || contacts[n - 1].particle < first.particle);
+      for (next = n + 1; next < contacts.size(); ++next)
+        if (contacts[next].pool != first.pool || contacts[next].particle != first.particle) break;
+      FaceHit met;
       const FluidPool& p = fluid.pool_at(first.pool);
-      const FaceContact* by = nullptr;
-      FaceHit best;
-      for (; n < contacts.size() && contacts[n].pool == first.pool && contacts[n].particle == first.particle; ++n) {
-        const FaceContact& k = contacts[n];
-        const Vec3 now[3] = {point(k.vertex[0]), point(k.vertex[1]), point(k.vertex[2])};
-        FaceHit h;
-        if (!caught(k, p.origin[k.particle].vec(), p.x[k.particle].vec(), now, h)) continue;
-        if (!by || h.when < best.when) by = &k, best = h;
-      }
-      if (by) hit(*by, best);
+      const FaceContact* by =
+          first_met({&first, next - n}, p.origin[first.particle].vec(), p.x[first.particle].vec(), met);
+      if (by) hit(*by, met);
     }
   }
   // A particle is within `margin` of a face of this object, at `start`.
   bool near(Fluid& fluid, const FaceSurface& s, Real margin) const;
-  // The particle, moving from `from` to `to` while the face moved from `start` to `now`, passed it or ends too near to
-  // it. Then `when` (0 to 1; 2: it did not pass) and its allowed position.
-  bool caught(const FaceContact& k, const Vec3& from, const Vec3& to, const Vec3 (&now)[3], FaceHit& hit) const;
   void validate() const;
 
  private:
@@ -106,6 +101,11 @@ class FluidFaces {
     std::uint32_t surface = 0;
   };
   void list_faces();
+  // The contact with the face that a particle met first on its way from `from` to `to`, or else ends too near to; null:
+  // none.
+  const FaceContact* first_met(std::span<const FaceContact> of, const Vec3& from, const Vec3& to, FaceHit& hit) const;
+  // As far from one point to the other as no face lies between them, but for that of `on`.
+  Vec3 clear_of_others(const Vec3& from, const Vec3& to, const FaceContact* on) const;
   static bool meets(const FluidPool& p, const FaceSurface& s) {
     return (p.desc.group & s.mask) && (s.group & p.desc.mask);
   }
@@ -114,6 +114,7 @@ class FluidFaces {
   Array<Aabb> box_;
   BoxTree tree_;
   Real allowed_ = 0;  // m, difference of points from `end` up to which candidates stay valid
+  Real moved_ = 0;    // m, the largest of particles since
 };
 
 // Barycentric weights of the point of the plane of a, b, c nearest to x.

@@ -54,6 +54,7 @@ void FluidRigid::add_passes(StepPlan& plan) {
   plan.add<&F::give_velocities>(Rank::boundary_push, "push bodies", kName, this);
   plan.add<&F::set_boundary>(Rank::boundary_follow, "move boundary", kName, this);
   plan.add<&F::push_again>(Rank::boundary_return, "push bodies after projection", kName, this);
+  plan.add<&F::follow_stopped>(after(Rank::commit), "non-penetration of stopped bodies", kName, this);
   plan.add<&F::keep_awake>(Rank::keep_awake, "keep awake", kName, this);
   plan.add<&F::report_contacts>(Rank::fluid_events, "contacts", kName, this);
   plan.add<&F::place_for_queries>(Rank::query_boundary, "place boundary for queries", kName, this);
@@ -270,6 +271,27 @@ void FluidRigid::weigh(StepContext& c) { compare_impulses(c, c.h * c.gravity); }
 void FluidRigid::push_again(StepContext& c) {
   compare_impulses(c, Vec3::Zero());
   give_velocities(c);
+}
+
+// Continuous collision detection has put bodies back to where they met something: the fluid that they hold goes with
+// them. Its velocities are those of the next substep to change, where bodies get their share.
+void FluidRigid::follow_stopped(StepContext& c) {
+  const Bodies& b = rigid_.bodies();
+  Real least = kInfinity;
+  for (std::size_t n = 0; n < fluid_.pool_count(); ++n) least = std::min(least, fluid_.pool_at(n).clearance / 4);
+  bool any = false;
+  for (BoundaryShape& w : boundary_.shapes) {
+    const std::uint32_t i = body_[w.body];
+    const Pose now = Pose{b.position[i], b.rotation[i]} * w.local;
+    if (!(largest_motion(*w.shape, w.pose, now) > least)) continue;
+    w.pose = now, w.box = w.shape->bounds(now);
+    any = true;
+  }
+  if (!any) return;
+  for (std::size_t n = 0; n < fluid_.pool_count(); ++n) {
+    FluidPool& p = fluid_.pool_at(n);
+    if (p.count > 0 && !p.frozen) p.project_out(boundary_, *c.jobs, false);
+  }
 }
 
 void FluidRigid::keep_awake(StepContext&) {

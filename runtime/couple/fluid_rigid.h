@@ -49,6 +49,7 @@ class FluidRigid final : public System {
   void weigh(StepContext& c);
   void give_velocities(StepContext& c);  // back to the solver bodies
   void push_again(StepContext& c);
+  void follow_stopped(StepContext& c);
   void keep_awake(StepContext& c);
   Real pressed_on(ObjectId body) const;  // N s in this step
   void report_contacts(StepContext& c);

@@ -77,7 +77,7 @@ void FluidSprings::solve(StepContext&) {
   for (std::size_t n = 0; n < faces_.contacts.size(); ++n) record(faces_.contacts[n], pushes_[n]);
   const auto now = [&](std::uint32_t i) { return points_.position[i]; };
   faces_.follow(fluid_, now);
-  faces_.project(fluid_, now, [&](const FaceContact& k, const FaceHit& hit) {
+  faces_.project(fluid_, [&](const FaceContact& k, const FaceHit& hit) {
     ++projected_;
     fluid_.pool_at(k.pool).x[k.particle].set(hit.position);
     Push push;
@@ -117,6 +117,8 @@ void FluidSprings::push_apart(const FaceContact& k, Push& total) {
   const Real push = std::min(need, -gap) / response;
   FEDER_ASSERT(!(push < 0));
   p.x[k.particle].set(p.x[k.particle].vec() + (push / p.mass) * n);
+  total.moved += push / p.mass;
+  faces_.particle_moved(total.moved);
   for (int i = 0; i < 3; ++i) {
     const std::uint32_t v = k.vertex[i];
     points_.move(v, (-push * k.weight[i] * points_.inv_mass[v]) * n);

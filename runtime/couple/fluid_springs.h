@@ -36,6 +36,7 @@ class FluidSprings final : public System {
   struct Push {
     Real impulse = 0, speed = 0;  // N s; closing, the largest, m/s
     Vec3 normal = Vec3::Zero();   // of the last impulse
+    Real moved = 0;               // of the particle, m
   };
   void push_apart(const FaceContact& k, Push& total);
   void exchange(const FaceContact& k, const Real (&weight)[3], const Vec3& normal, Push& total);

@@ -29,6 +29,15 @@ bool crosses(const BoundaryShape& w, const Vec3& from, const Vec3& to, RayHit& h
 
 }  // namespace
 
+Real largest_motion(const Shape& shape, const Pose& a, const Pose& b) {
+  // the chord of the difference of rotations, which are the same with either sign
+  const Quat &p = a.rotation, &q = b.rotation;
+  const Real side = dot(p.vec(), q.vec()) + p.w * q.w < 0 ? Real(-1) : Real(1), w = p.w - side * q.w;
+  const Vec3 v = p.vec() - side * q.vec();
+  const Real turn = 2 * std::sqrt(dot(v, v) + w * w);
+  return length(Vec3(b.position - a.position)) + (turn > 0 ? turn * shape.extent(Vec3::Zero()) : Real(0));
+}
+
 void Boundary::start() {
   away = false;
   for (BoundaryShape& w : shapes) w.start = w.pose, w.away = false;
@@ -101,6 +110,9 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
     }
   };
   constexpr JobGrain kRun{64, 3'000};  // particles that share a list of shapes
+  found_pose.clear();
+  fast_shapes.reserve(boundary.shapes.size());
+  for (const BoundaryShape& w : boundary.shapes) found_pose.push_back(w.pose);
 
   // count the contacts of each particle; then the first index of each run
   block_first.resize(count / kRun.items + (count % kRun.items != 0));
@@ -232,7 +244,56 @@ bool falls_short(const FluidPool& p, const BoundaryShape& w, const BoundaryConta
 
 }  // namespace
 
-void FluidPool::project_out(Boundary& boundary, JobPool& jobs) {
+// Contacts are made for velocities that particles and bodies have before the fluid is solved, and bodies before they
+// strike each other. Who has moved by more than half a support since then may meet what it has no contact with.
+Real FluidPool::safe_travel() const { return (support - clearance) / 2; }
+
+void FluidPool::find_fast_shapes(const Boundary& boundary) {
+  swept_shape.clear(), fast_shapes.clear();
+  if (found_pose.size() != boundary.shapes.size()) found_pose.clear();  // no contacts were ever found
+  for (std::uint32_t w = 0; w < found_pose.size(); ++w) {
+    const BoundaryShape& solid = boundary.shapes[w];
+    Aabb box = solid.box;
+    if (largest_motion(*solid.shape, found_pose[w], solid.pose) > safe_travel()) {
+      box.include(solid.shape->bounds(found_pose[w]));
+      box.grow(support);  // on its arc
+      fast_shapes.push_back(w);
+    } else {
+      box.grow(safe_travel());
+    }
+    swept_shape.push_back(box);
+  }
+}
+
+// f(contact) for the contacts that particle i would have if they had been found for its motion and that of the solids.
+template <class F>
+void FluidPool::each_missed(std::uint32_t i, const Boundary& boundary, F&& f) const {
+  const Vec3 from = start[i].vec(), to = x[i].vec(), travel = to - from;
+  const bool fast = dot(travel, travel) > safe_travel() * safe_travel();
+  if (!fast && fast_shapes.empty()) return;
+  const std::uint32_t n = static_cast<std::uint32_t>(fast ? swept_shape.size() : fast_shapes.size());
+  Aabb path{from.cwiseMin(to), from.cwiseMax(to)};
+  path.grow(clearance);
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const std::uint32_t w = fast ? k : fast_shapes[k];
+    const BoundaryShape& solid = boundary.shapes[w];
+    if (!overlaps(path, swept_shape[w]) || !meets(solid)) continue;
+    const std::span<const BoundaryContact> own = contacts_of(i);
+    if (std::any_of(own.begin(), own.end(), [&](const BoundaryContact& c) { return c.shape == w; })) continue;
+    const Vec3 local = to_local(found_pose[w], from);
+    const Real limit = length(Vec3(to_local(solid.pose, to) - local)) + 2 * clearance;
+    BoundaryContact c;
+    const Real d = solid.shape->distance(local, limit, c.local_normal);
+    if (d >= limit) continue;
+    c.shape = w, c.particle = i;
+    c.local_offset = dot(c.local_normal, local) - d;
+    c.from = d < clearance ? Vec3(local + (clearance - d) * c.local_normal) : local;
+    f(c);
+  }
+}
+
+void FluidPool::project_out(Boundary& boundary, JobPool& jobs, bool velocities) {
+  find_fast_shapes(boundary);
   // whom the boundary has to move follows from positions and poses alone; those few are moved in order, as each changes
   // the velocities of the bodies that the next one meets
   jobs.for_blocks(count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
@@ -242,37 +303,40 @@ void FluidPool::project_out(Boundary& boundary, JobPool& jobs) {
       inside[i] = 0;
       Vec3 n;
       Real d;
-      for (const BoundaryContact& c : contacts_of(i))
-        if (falls_short(*this, boundary.shapes[c.shape], c, x[i].vec(), n, d)) {
-          inside[i] = 1;
-          break;
-        }
+      const auto short_of = [&](const BoundaryContact& c) {
+        inside[i] = inside[i] || falls_short(*this, boundary.shapes[c.shape], c, x[i].vec(), n, d);
+      };
+      for (const BoundaryContact& c : contacts_of(i)) {
+        short_of(c);
+        if (inside[i]) break;
+      }
+      if (!inside[i]) each_missed(i, boundary, short_of);
     }
   });
   const auto end = inside.begin() + count;
   for (auto at = std::find(inside.begin(), end, 1); at != end; at = std::find(at + 1, end, 1))
-    move_out(static_cast<std::uint32_t>(at - inside.begin()), boundary);
+    move_out(static_cast<std::uint32_t>(at - inside.begin()), boundary, velocities);
 }
 
-void FluidPool::move_out(std::uint32_t i, Boundary& boundary) {
+void FluidPool::move_out(std::uint32_t i, Boundary& boundary, bool velocities) {
   bool moved = true;
   for (int round = 0; round <= kProjectionRounds && moved; ++round) {
     moved = false;
     const bool last = round == kProjectionRounds;  // what does not give way has the last word
-    for (const BoundaryContact& c : contacts_of(i)) {
-      if (last && boundary.body_of(c).dynamic) continue;
+    const auto leave = [&](const BoundaryContact& c) {
+      if (last && boundary.body_of(c).dynamic) return;
       FEDER_ASSERT(c.particle == i && c.shape < boundary.shapes.size());
       const BoundaryShape& w = boundary.shapes[c.shape];
       const Vec3 at = x[i].vec();
       Vec3 n;
       Real d;
-      if (!falls_short(*this, w, c, at, n, d)) continue;
+      if (!falls_short(*this, w, c, at, n, d)) return;
       // position, then the closing velocity
       x[i].set(at + (clearance - d) * n);
       moved = true;
       BoundaryBody& b = boundary.bodies[w.body];
       const Real closing = dot(n, v[i].vec() - b.velocity_at(x[i].vec()));
-      if (closing >= 0) continue;
+      if (closing >= 0 || !velocities) return;
       // fully plastic, by the masses of the pair: the body gains the momentum that the particle loses
       const Real share = 1 / (1 + (b.dynamic ? mass * b.response(x[i].vec(), n) : Real(0)));
       FEDER_ASSERT(!(share < 0 || share > Real(1.01)));
@@ -282,7 +346,9 @@ void FluidPool::move_out(std::uint32_t i, Boundary& boundary) {
         b.push(x[i].vec(), -p);
       else
         b.impulse -= p;
-    }
+    };
+    for (const BoundaryContact& c : contacts_of(i)) leave(c);
+    each_missed(i, boundary, leave);
   }
 }
 

@@ -59,6 +59,9 @@ struct BoundaryShape {
   }
 };
 
+// Upper bound of the way of any point of a shape from one pose to another, m.
+Real largest_motion(const Shape& shape, const Pose& a, const Pose& b);
+
 // Contact state of a fluid and a body in a step.
 struct FluidContactState {
   ObjectId fluid, body;

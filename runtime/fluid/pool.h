@@ -111,6 +111,9 @@ struct FluidPool {
   Array<std::uint32_t> contact_first{&arena};       // of a particle; one more than particles
   Array<std::uint32_t> block_first{&arena};         // work of find_contacts: of a block of particles
   Array<std::uint32_t> dynamic_contacts{&arena};    // indices of contacts with bodies that the fluid moves
+  Array<Pose> found_pose{&arena};                   // by shape of the boundary: when contacts were found
+  Array<Aabb> swept_shape{&arena};                  // work of project_out, by shape: over its motion since then
+  Array<std::uint32_t> fast_shapes{&arena};         // likewise: those that moved far
   Array<FluidContactState> contact_states{&arena};  // by body of the boundary; sums in point and normal
   std::uint64_t ids_there = 0;  // of validate(): sum of id_key over the particles added and not removed
 
@@ -156,9 +159,13 @@ struct FluidPool {
   // Adds the impulses of this iteration to bodies that the fluid does not move.
   void weigh_fixed(Boundary& boundary, const StepContext& c) const;
   // Non-penetration projection: moves every particle out of the boundary, swept from where its contact was made, and
-  // ends closing velocities.
-  void project_out(Boundary& boundary, JobPool& jobs);
-  void move_out(std::uint32_t i, Boundary& boundary);  // one of them
+  // ends closing velocities, or leaves velocities to the next substep.
+  void project_out(Boundary& boundary, JobPool& jobs, bool velocities = true);
+  void move_out(std::uint32_t i, Boundary& boundary, bool velocities);  // one of them
+  Real safe_travel() const;
+  void find_fast_shapes(const Boundary& boundary);
+  template <class F>
+  void each_missed(std::uint32_t i, const Boundary& boundary, F&& f) const;
 
   bool meets(const BoundaryShape& w) const { return (desc.group & w.mask) && (w.group & desc.mask); }
 };

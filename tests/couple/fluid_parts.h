@@ -99,7 +99,7 @@ void check_blow(World& w, const std::string& solver, const char* mismatch, doubl
   }
   CAPTURE(solver, worst, most);
   CHECK(most > share * static_cast<double>(length(p)));
-  CHECK(length(Vec3(vec(w.momentum().linear) - p)) < Real(1e-4) * length(p));
+  CHECK(length(Vec3(vec(w.momentum().linear) - p)) < Real(1e-5) * length(p));
   CHECK(length(Vec3(vec(w.momentum().angular) - l)) < Real(1e-2) * length(l));
   CHECK(worst < 1e-4);
   CHECK(w.is_finite());

@@ -7,7 +7,7 @@
 using namespace feder;
 
 TEST_CASE("a blob hits a free net: momentum and angular momentum are kept", "[couple][fluid][springs]") {
-  const std::string solver = GENERATE(std::string("pbf"), std::string("wcsph"));
+  const std::string solver = GENERATE(std::string("pbf"), std::string("wcsph"), std::string("dfsph"));
   WorldDesc wd;
   wd.gravity = Vec3(0, 0, 0);
   wd.options.set("air_density", 0.0);
@@ -36,6 +36,7 @@ ObjectId add_pinned_mat(Springs& springs) {
 
 }  // namespace
 
+// At 80 m/s some do: nets do not meet themselves, and layers of them pass through each other with what lies between.
 TEST_CASE("no particle passes the faces of a pinned net", "[couple][fluid][springs]") {
   const double speed = GENERATE(1.0, 10.0, 20.0);
   World w(WorldDesc{}, mixed_catalog());

@@ -150,8 +150,8 @@ class Cloth final : public System {
   static constexpr Real kMaxLoad = 50;
   void set_load(std::size_t n, Real mass);
   Real load(std::size_t n) const;
-  // Approaching bodies of this step: the acceleration that they would give to the whole cloth, m/s^2, and their
-  // approach speed, m/s.
+  // What approaches in this step: the acceleration that it would give to the whole cloth, m/s^2, and the approach speed
+  // of bodies, m/s. The largest of several calls counts.
   void set_impact(std::size_t n, Real acceleration, Real speed);
   void push(std::uint32_t vertex, const Vec3& impulse);  // N s; after the solver substeps of a substep
 
