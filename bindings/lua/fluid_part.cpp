@@ -128,6 +128,9 @@ void set_running(const Liquid& f) {
   f.system.set_running(f.id, kRunning);
 }
 
+bool fluid_awake(const Liquid& f) { return !f.system.asleep(f.id); }
+void fluid_wake(const Liquid& f) { f.system.wake(f.id); }
+
 const Method kFluidMethods[] = {
     {"fill", method<fluid_fill>,
      "fluid:fill{ box = {min, max} | shape =, position =, rotation = | points =, velocity = } -> count",
@@ -138,6 +141,8 @@ const Method kFluidMethods[] = {
      emitter_rows},
     {"drain", method<fluid_drain>, "fluid:drain{ body =, box = {min, max} | shape =, position =, rotation = } -> drain",
      "takes the particles in it away after each step; on a body: in its frame", drain_rows},
+    {"awake", method<fluid_awake>, "fluid:awake() -> boolean", "does it move?"},
+    {"wake", method<fluid_wake>, "fluid:wake() -> self", "lets it move again"},
     {"count", method<&Fluid::particle_count>, "fluid:count() -> integer", "particles"},
     {"positions", guard<list_vectors<Fluid, &Fluid::positions>>, "fluid:positions([buffer]) -> buffer",
      "x, y, z of all, in the order they were made"},

@@ -55,6 +55,16 @@ void FluidFaces::list_faces() {
   tree_.build({box_.data(), box_.size()});
 }
 
+// Whether the box of a face meets that of a pool, and so keeps it awake (fluid/sleep.cpp).
+bool FluidFaces::near_box(const FluidPool& p, const StepContext& c) const {
+  Aabb box;
+  for (std::uint32_t i = 0; i < p.count; ++i) box.include(p.x[i].vec());
+  box.grow(p.support + c.dt * c.dt * length(c.gravity));
+  for (std::size_t f = 0; f < faces_.size(); ++f)
+    if (meets(p, surfaces[faces_[f].surface]) && overlaps(box_[f], box)) return true;
+  return false;
+}
+
 void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
   list_faces();
   const std::uint64_t number =
@@ -62,6 +72,8 @@ void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
   for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
     FluidPool& p = fluid.pool_at(n);
     if (p.count == 0 || p.frozen) continue;
+    if (c.substep == 0 && near_box(p, c)) p.faces_near = c.step + 1;
+    if (p.asleep) continue;
     p.keep_origins();
     const bool first = p.screened != number;  // of the couplings that screen in this substep
     FEDER_ASSERT(p.screened <= number);
@@ -105,7 +117,7 @@ void FluidFaces::find(Fluid& fluid) {
   tree_.refit({box_.data(), box_.size()});
   for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
     FluidPool& p = fluid.pool_at(n);
-    if (p.count == 0 || p.frozen || p.origin.empty()) continue;
+    if (!p.active() || p.origin.empty()) continue;
     FEDER_ASSERT(p.origin.size() > p.count);
     const Real slack = kSlack * p.desc.spacing, half = p.desc.spacing / 2;
     for (std::uint32_t i = 0; i < p.count; ++i) {

@@ -93,6 +93,7 @@ class FluidFaces {
   }
   // A particle is within `margin` of a face of this object, at `start`.
   bool near(Fluid& fluid, const FaceSurface& s, Real margin) const;
+  bool near_box(const FluidPool& p, const StepContext& c) const;
   void validate() const;
 
  private:

@@ -253,7 +253,7 @@ void FluidRigid::compare_impulses(const StepContext& c, const Vec3& gravity_seco
   }
   for (std::size_t n = 0; n < fluid_.pool_count(); ++n) {
     const FluidPool& p = fluid_.pool_at(n);
-    if (p.frozen) continue;
+    if (!p.active()) continue;
     const double weight = static_cast<double>(p.desc.gravity_scale) * p.mass * p.count;
     for (int k = 0; k < 3; ++k) gained[k] -= weight * static_cast<double>(gravity_seconds[k]) + p.pushed[k];
   }
@@ -290,7 +290,7 @@ void FluidRigid::follow_stopped(StepContext& c) {
   if (!any) return;
   for (std::size_t n = 0; n < fluid_.pool_count(); ++n) {
     FluidPool& p = fluid_.pool_at(n);
-    if (p.count > 0 && !p.frozen) p.project_out(boundary_, *c.jobs, false);
+    if (p.active()) p.project_out(boundary_, *c.jobs, false);
   }
 }
 
@@ -303,9 +303,15 @@ void FluidRigid::keep_awake(StepContext&) {
     const std::uint32_t i = body_[n];
     FEDER_ASSERT(!(w.pressed < 0));
     if (!w.dynamic || w.pressed <= kWakeImpulse * b.mass[i]) continue;
+    // in calm fluid it may rest as well
     ObjectId fluid;
-    for (const FluidContactState& t : fluid_contacts_)
-      if (!fluid && t.body == w.object) fluid = t.fluid;
+    bool calm = true;
+    for (const FluidContactState& t : fluid_contacts_) {
+      if (t.body != w.object) continue;
+      if (!fluid) fluid = t.fluid;
+      calm = calm && fluid_.pool_at(objects_.index(t.fluid)).drowsy();
+    }
+    if (fluid && calm) continue;
     objects_.for_each(kFluidKind, [&](ObjectId id) {  // pressed earlier in the step: no particle is in contact now
       if (!fluid) fluid = id;
     });

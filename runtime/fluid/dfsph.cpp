@@ -108,7 +108,7 @@ Real Dfsph::wanted_steps(FluidPool& p, const StepContext& c) const {
 void Dfsph::choose_steps(StepContext& c) {
   for (FluidPool* pool : pools) {
     FluidPool& p = *pool;
-    if (p.count == 0 || p.frozen) continue;
+    if (!p.active()) continue;
     const Real wanted = wanted_steps(p, c), most = static_cast<Real>(p.desc.max_substeps);
     if (wanted > most && !p.warned_budget) {
       p.warned_budget = true;

@@ -94,6 +94,12 @@ bool Fluid::Impl::has_forces() const {
   return std::any_of(pools.begin(), pools.end(), [](const auto& p) { return !p->script_force.empty(); });
 }
 
+bool Fluid::Impl::is_forced(const FluidPool& p) const {
+  bool forced = !p.script_force.empty();
+  each_force(p, [&](const ForceEntry&) { forced = true; });
+  return forced;
+}
+
 bool Fluid::Impl::has_wind() {
   const Forces* forces = store.find<Forces>();
   if (!forces) return false;
@@ -110,7 +116,7 @@ void Fluid::Impl::find_surfaces(StepContext& c) {
     FluidPool& p = *pool;
     bool blown = false;
     each_force(p, [&](const ForceEntry& f) { blown = blown || f.force->on_area(); });
-    if (!blown || p.count == 0 || p.frozen) continue;
+    if (!blown || !p.active()) continue;
     FEDER_ASSERT(p.surface.size() > p.count);
     boundary.move_to(0);
     p.sort_by_cell(*c.jobs);
@@ -141,7 +147,7 @@ void Fluid::Impl::apply_forces(StepContext& c) {
   const Real drag = (forces ? forces->drag_share() : Real(1)) / h;
   for (auto& pool : pools) {
     FluidPool& p = *pool;
-    if (p.count == 0 || p.frozen || p.group != static_cast<std::uint32_t>(c.inner.group)) continue;
+    if (!p.active() || p.group != static_cast<std::uint32_t>(c.inner.group)) continue;
     bool any = !p.script_force.empty(), serial = false;
     each_force(p, [&](const ForceEntry& f) { any = true, serial = serial || f.force->on_stepping_thread(); });
     if (!any) continue;

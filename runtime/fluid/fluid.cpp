@@ -43,7 +43,7 @@ void check_desc(const FluidDesc& d) {
 }  // namespace
 
 Fluid::Impl::Impl(SystemSetup& s)
-    : arena(s.store.arena(kName)), store(s.store), objects(s.objects), commands(s.commands),
+    : arena(s.store.arena(kName)), store(s.store), objects(s.objects), commands(s.commands), events(s.events),
       watched(s.store.need<Watch>("watch")), boundary(s.store.need<Boundary>(kName)), dimension(s.dimension),
       structure_changed(s.structure_changed) {}
 
@@ -218,6 +218,7 @@ std::size_t Fluid::fill(ObjectId id, std::span<const Vec3> points, const Vec3& v
     p.add(vec3(x[0] + dx, x[1] + dy, p.dimension == 2 ? Real(0) : x[2] + dz), velocity);
   }
   FEDER_ASSERT(p.next_id >= p.count);
+  m.wake(p, WakeCause::script, {});
   p.fresh = true;
   p.crowded = kScriptWindow;
   *m.structure_changed = true;
@@ -228,6 +229,13 @@ std::size_t Fluid::particle_count(ObjectId id) const { return impl_->pool(id).co
 Real Fluid::particle_mass(ObjectId id) const { return impl_->pool(id).mass; }
 FluidDesc Fluid::desc(ObjectId id) const { return impl_->pool(id).desc; }
 Boundary& Fluid::boundary() { return impl_->boundary; }
+
+bool Fluid::asleep(ObjectId id) const { return impl_->pool(id).asleep; }
+
+void Fluid::wake(ObjectId id, WakeCause cause, ObjectId other) {
+  const Command command(impl_->commands, "fluid.wake", id, cause, other);
+  impl_->wake(impl_->pool(id), cause, other);
+}
 
 std::size_t Fluid::pool_count() const { return impl_->pools.size(); }
 
@@ -247,6 +255,7 @@ void Fluid::set_velocities(ObjectId id, std::span<const Vec3> v) {
       throw SceneError("set_velocities: expected finite numbers, but velocity " + std::to_string(i + 1) + " is not");
   const std::vector<std::uint32_t> order = impl_->by_id(p);
   FEDER_ASSERT(order.size() == v.size());
+  impl_->wake(p, WakeCause::script, {});
   for (std::size_t k = 0; k < order.size(); ++k) p.v[order[k]].set(v[k]);
   p.kinetic = p.kinetic_energy();
 }

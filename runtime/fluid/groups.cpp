@@ -66,6 +66,7 @@ void Fluid::Impl::make_groups(StepContext& c) {
   counts.clear();
   if (c.substep == 0)
     for (auto& p : pools) p->worked = 0;
+  if (c.substep == 0) wake_disturbed(c);
   for (auto& s : solvers) {
     if (!s) continue;
     const std::vector<FluidPool*>& members = s->pools;

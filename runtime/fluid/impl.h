@@ -52,6 +52,7 @@ struct Fluid::Impl {
   const Store& store;
   Objects& objects;
   CommandLog& commands;
+  Events& events;
   Watch& watched;
   Boundary& boundary;
   int dimension;
@@ -115,12 +116,22 @@ struct Fluid::Impl {
   void check(StepContext& c);
   // external_forces.cpp: the world's forces and those of scripts.
   bool has_forces() const;
-  bool has_wind();  // and makes room for the surfaces that it acts on
+  bool is_forced(const FluidPool& p) const;  // by any of them
+  bool has_wind();                           // and makes room for the surfaces that it acts on
   void find_surfaces(StepContext& c);
   void apply_forces(StepContext& c);
   template <class F>
   void each_force(const FluidPool& p, F&& f) const;  // calls f(entry) for the generators that act on the pool
   double potential(const FluidPool& p) const;        // of them, J
+  // sleep.cpp
+  struct RestSums {
+    double square = 0, most = 0;  // of the squared speeds, m^2/s^2
+    double place[3] = {0, 0, 0};  // of the positions, m
+  };
+  void wake(FluidPool& p, WakeCause cause, ObjectId other);
+  void wake_disturbed(StepContext& c);
+  void update_sleep(FluidPool& p, const RestSums& sums, StepContext& c);
+  std::uint64_t rest_key(FluidPool& p, const StepContext& c);
   // watch.cpp
   void watch(FluidPool& p, double square, StepContext& c);  // square: sum of the squared speeds, m^2/s^2
   void suspect(const FluidPool& p);

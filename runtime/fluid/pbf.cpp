@@ -142,7 +142,7 @@ Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
 // All fluids of a group take the same.
 void Pbf::choose_steps(StepContext& c) {
   for (FluidPool* p : pools) {
-    if (p->count == 0 || p->frozen) continue;
+    if (!p->active()) continue;
     const Wanted own = wanted_steps(*p, c);
     const Real most = static_cast<Real>(p->desc.max_substeps);
     if (own.load > most) warn_budget(*p, own.load, c);
@@ -167,7 +167,7 @@ void Pbf::warn_budget(FluidPool& p, Real wanted, StepContext& c) const {
 void Pbf::check_compression(StepContext& c) {
   for (FluidPool* pool : pools) {
     FluidPool& p = *pool;
-    if (p.count == 0 || p.frozen) continue;
+    if (!p.active()) continue;
     struct Sum {
       double value = 0;
       void add(const Sum& s) { value += s.value; }

@@ -63,10 +63,15 @@ struct FluidPool {
   Real too_dense = 0;     // pbf, dfsph: s, for which it has been denser than wanted
   Real unsolved = 0;      // dfsph: s, for which velocities have missed their tolerance
   std::uint64_t steps = 0,
-                iterations = 0;  // solver substeps, and those of their solves, since it was made; for reports
-  bool frozen = false;           // quarantined
-  std::uint32_t group = 0;       // in the loop of fluid substeps of this substep; work
-  bool fresh = false;            // filled since the last step
+                iterations = 0;       // solver substeps, and those of their solves, since it was made; for reports
+  bool frozen = false;                // quarantined
+  bool asleep = false;                // sleep.cpp, these five
+  Real calm = 0;                      // s, for which it has been slow; 0: is not
+  double rest_center[3] = {0, 0, 0};  // m, of mass, when it began to be calm
+  std::uint64_t rest_key = 0;         // of what it rests against
+  std::uint64_t faces_near = 0;       // number of the last step in which faces of sheets or nets were, set by couplings
+  std::uint32_t group = 0;            // in the loop of fluid substeps of this substep; work
+  bool fresh = false;                 // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
   Real filled_width = 0;  // m, of a fill since the last step that was narrower than the spacing; 0: none
   bool warned_spacing = false, warned_density = false;  // of another fluid that it touches
@@ -118,6 +123,8 @@ struct FluidPool {
   std::uint64_t ids_there = 0;  // of validate(): sum of id_key over the particles added and not removed
 
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
+  bool active() const { return count > 0 && !frozen && !asleep; }
+  bool drowsy() const;                                    // asleep or about to
   void grow(std::uint32_t wanted);                        // outside steps; all arrays by particle
   void keep_origins();                                    // origin is kept from now on, and grows with the others
   void keep_script_forces();                              // likewise script_force

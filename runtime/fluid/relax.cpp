@@ -95,7 +95,7 @@ void push_apart(FluidPool& p, JobPool& jobs) {
 void Fluid::Impl::relax(StepContext& c) {
   for (auto& pool : pools) {
     FluidPool& p = *pool;
-    if (!p.fresh || p.frozen || p.count == 0) continue;
+    if (!p.fresh || !p.active()) continue;
     p.fresh = false;
     std::fill(p.extra.begin(), p.extra.begin() + p.count, Row4{});
     p.sort_by_cell(*c.jobs);

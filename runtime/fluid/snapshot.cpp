@@ -7,7 +7,7 @@ namespace {
 template <class P, class F>
 void each_state(P& p, F&& f) {
   f(p.object), f(p.count), f(p.next_id), f(p.last_h), f(p.sound), f(p.too_dense), f(p.unsolved), f(p.frozen),
-      f(p.fresh);
+      f(p.asleep), f(p.calm), f(p.rest_center), f(p.rest_key), f(p.fresh);
   f(p.warned_budget), f(p.warned_full), f(p.warned_viscosity), f(p.warned_spacing), f(p.warned_density),
       f(p.filled_width);
 }
@@ -18,6 +18,7 @@ void Fluid::hash(Hash& h) const {
   for (const auto& p : impl_->pools) {
     h.add(p->count), h.add(p->next_id);
     if (p->sound > 0) h.add(p->sound);
+    h.add(p->asleep);
     for (std::uint32_t i = 0; i < p->count; ++i) {
       h.add(p->id[i]);
       h.add(p->x[i].vec()), h.add(p->v[i].vec()), h.add(p->lambda[i]);

@@ -50,7 +50,7 @@ class FluidSolver {
   template <class F>
   void each(const StepContext& c, F&& f) {
     for (FluidPool* p : pools)
-      if (p->count > 0 && !p->frozen && p->group == static_cast<std::uint32_t>(c.inner.group)) f(*p);
+      if (p->active() && p->group == static_cast<std::uint32_t>(c.inner.group)) f(*p);
   }
 };
 

@@ -10,7 +10,7 @@ namespace feder {
 // Non-penetration projection at the poses of the bodies after the rigid solve.
 void Fluid::Impl::project(StepContext& c) {
   for (auto& p : pools)
-    if (p->count > 0 && !p->frozen) p->project_out(boundary, *c.jobs);
+    if (p->active()) p->project_out(boundary, *c.jobs);
 }
 
 template <class F>
@@ -64,17 +64,22 @@ void Fluid::Impl::check(StepContext& c) {
     const auto good = [&p](std::uint32_t i) {
       return is_finite(p.x[i].vec()) && is_finite(p.v[i].vec()) && is_finite(p.lambda[i]);
     };
-    struct Sums {
-      double square = 0;
+    struct Sums : RestSums {
       std::uint32_t bad = 0;
-      void add(const Sums& s) { square += s.square, bad += s.bad; }
+      void add(const Sums& s) {
+        square += s.square, most = std::max(most, s.most), bad += s.bad;
+        for (int k = 0; k < 3; ++k) place[k] += s.place[k];
+      }
     };
     const Sums sums = sum_blocks<Sums>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Sums& s) {
-      s.square += static_cast<double>(dot(p.v[i].vec(), p.v[i].vec()));
-      s.bad += !good(i);
+      const double v2 = static_cast<double>(dot(p.v[i].vec(), p.v[i].vec()));
+      s.square += v2, s.most = std::max(s.most, v2), s.bad += !good(i);
+      s.place[0] += static_cast<double>(p.x[i].x), s.place[1] += static_cast<double>(p.x[i].y);
+      s.place[2] += static_cast<double>(p.x[i].z);
     });
     if (sums.bad == 0) {
       watch(p, sums.square, c);
+      update_sleep(p, sums, c);
       continue;
     }
     suspect(p);

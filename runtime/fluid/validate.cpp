@@ -78,7 +78,8 @@ void FluidPool::validate() const {
   for (std::uint32_t i = 0; i < count; ++i) {
     FEDER_ASSERT(id[i] < next_id);
     FEDER_ASSERT(is_finite(x[i].vec()) && is_finite(v[i].vec()) && is_finite(lambda[i]));  // else removed
-    FEDER_ASSERT(x[i].w == 0);                                                             // weights live in a sweep
+    FEDER_ASSERT(!asleep || v[i].vec().isZero(0));
+    FEDER_ASSERT(x[i].w == 0);  // weights live in a sweep
   }
   FEDER_ASSERT(nearly_equal(kinetic, kinetic_energy()));  // every change of a velocity is accounted for
 }

@@ -77,7 +77,7 @@ class Wcsph final : public FluidSolver {
 
 void Wcsph::choose_steps(StepContext& c) {
   for (FluidPool* p : pools)
-    if (p->count > 0 && !p->frozen) want_steps(*p, wanted_steps(*p, c), c);
+    if (p->active()) want_steps(*p, wanted_steps(*p, c), c);
 }
 
 void Wcsph::begin(StepContext& c) {

@@ -144,6 +144,10 @@ class Fluid final : public System {
   std::uint64_t passed(ObjectId source) const;                              // emitted, or drained, so far
   void aim(ObjectId emitter, const Vec3& position, const Vec3& direction);  // in the frame of its body, if it has one
 
+  // A fluid at rest sleeps as a whole, where the world lets things sleep, until something moves it.
+  bool asleep(ObjectId fluid) const;
+  void wake(ObjectId fluid, WakeCause cause = WakeCause::script, ObjectId other = {});
+
   // Queries; particles in the order of their making. Those that need neighbours and the boundary (from densities on)
   // are asked of World::query<Fluid>().
   std::size_t particle_count(ObjectId fluid) const;
