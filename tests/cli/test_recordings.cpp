@@ -37,8 +37,8 @@ constexpr const char* kEdit = R"(
 
 }  // namespace
 
-TEST_CASE("every scene, with an edit in the middle, is the same in its replay at every step", "[cli][recordings]") {
-  constexpr int kSteps = 20;
+TEST_CASE("every scene, with an edit in the middle, is the same in its replay at every step", "[cli][replay]") {
+  constexpr int kSteps = 10;
   int scenes = 0, edited = 0;
   for (const auto& entry : fs::recursive_directory_iterator(FEDER_SOURCE_DIR "/scenes")) {
     const std::string file = entry.path().string(), kind = entry.path().extension();
