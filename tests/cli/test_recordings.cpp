@@ -122,7 +122,7 @@ TEST_CASE("a plain script's worlds are recorded, and a run that is stopped", "[c
   CHECK(replay.json()["worlds"][0]["steps"] > 100);
 }
 
-TEST_CASE("feder test --replay holds each run against its replay", "[cli][recordings]") {
+TEST_CASE("feder test --replay holds each run against its replay", "[cli][replay]") {
   const Program p;
   for (const char* how : {"", " --isolate"}) {
     const Outcome o = p.run(std::string("test $S/rigid/tower.lua $S/mixed/everything.lua --replay") + how);
