@@ -37,8 +37,8 @@ constexpr const char* kEdit = R"(
 
 }  // namespace
 
-TEST_CASE("every scene, with an edit in the middle, is the same in its replay at every step", "[cli][recordings]") {
-  constexpr int kSteps = 20;
+TEST_CASE("every scene, with an edit in the middle, is the same in its replay at every step", "[cli][replay]") {
+  constexpr int kSteps = 10;
   int scenes = 0, edited = 0;
   for (const auto& entry : fs::recursive_directory_iterator(FEDER_SOURCE_DIR "/scenes")) {
     const std::string file = entry.path().string(), kind = entry.path().extension();
@@ -122,7 +122,7 @@ TEST_CASE("a plain script's worlds are recorded, and a run that is stopped", "[c
   CHECK(replay.json()["worlds"][0]["steps"] > 100);
 }
 
-TEST_CASE("feder test --replay holds each run against its replay", "[cli][recordings]") {
+TEST_CASE("feder test --replay holds each run against its replay", "[cli][replay]") {
   const Program p;
   for (const char* how : {"", " --isolate"}) {
     const Outcome o = p.run(std::string("test $S/rigid/tower.lua $S/mixed/everything.lua --replay") + how);

@@ -49,7 +49,7 @@ TEST_CASE("a default sheet of 3 m hung at two corners stretches 1 % in the media
   hang(GENERATE(10u, 32u, 60u), "xpbd", 3);
 }
 
-TEST_CASE("the same of 100 cells", "[cloth][strain][.slow]") { hang(100, "xpbd", 2); }
+TEST_CASE("the same of 100 cells", "[cloth][strain][late]") { hang(100, "xpbd", 2); }
 
 TEST_CASE("a pinned corner that a script sets anywhere gives its sheet no more energy than the material holds",
           "[cloth][strain][late]") {

@@ -32,6 +32,7 @@ if(headers GREATER 30)
 endif()
 run("configure" ${CMAKE_COMMAND} -S ${SOURCE} -B ${work}/build -G Ninja -DCMAKE_PREFIX_PATH=${work}/prefix -DFEDER_PREFIX=${work}/prefix
     -DCMAKE_CXX_COMPILER=${COMPILER} -DCMAKE_BUILD_TYPE=${TYPE} "-DCMAKE_CXX_FLAGS=${FLAGS}"
+    -DCMAKE_CXX_FLAGS_RELEASE=-O1\ -DNDEBUG  # what the hosts do themselves is little
     -DCMAKE_FIND_PACKAGE_NO_PACKAGE_REGISTRY=ON)
 run("build" ${CMAKE_COMMAND} --build ${work}/build)
 

@@ -55,6 +55,7 @@ StillWaterResult still(int dimension, int layers, double spacing, int iterations
 TEST_CASE("still water stays still", "[fluid][still]") {
   for (const Cell& c : kCells) {
     if (!kLarge && (c.dimension == 3 || c.layers > 25 || c.iterations > 8)) continue;
+    if (kAsserts && (c.layers == 50 || c.iterations == 32)) continue;  // of `--all`
     const StillWaterResult r = still(c.dimension, c.layers, c.spacing, c.iterations, c.substeps, 2.5 * kShare);
     CAPTURE(c.name, r.top, r.speed, r.burst, r.warned, r.excess, r.per_step);
     CHECK(r.burst < 0);
@@ -70,7 +71,7 @@ TEST_CASE("still water of dfsph stays still, and as dense as its tolerance says"
   for (const Column& c : {Column{2, 8, 0.001}, Column{2, 25, 0.05}, Column{2, 61, 0.025}, Column{2, 83, 0.006},
                           Column{3, 20, 0.006}, Column{3, 40, 0.0125}}) {
     if (!kLarge && (c.dimension == 3 || c.layers > 25)) continue;
-    if (kAsserts && c.layers == 40) continue;  // of `--all`
+    if (kAsserts && (c.layers == 40 || c.layers == 83)) continue;  // of `--all`
     StillWater s;
     s.solver = "dfsph", s.dimension = c.dimension, s.layers = c.layers, s.spacing = c.spacing;
     s.seconds = 2.5 * kShare;

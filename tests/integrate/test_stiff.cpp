@@ -32,7 +32,7 @@ State straight(int links) {
 
 }  // namespace
 
-TEST_CASE("implicit methods stay finite on springs of any stiffness", "[integrate][contract]") {
+TEST_CASE("implicit methods stay finite on springs of any stiffness", "[integrate][once][contract]") {
   const int row = GENERATE(range(0, static_cast<int>(integrators().size())));
   const auto& method = integrators()[static_cast<std::size_t>(row)];
   Arena arena("test");

@@ -73,7 +73,7 @@ struct Bridge {
 
 }  // namespace
 
-TEST_CASE("crates on bridges of hinged planks give them no energy", "[rigid][bridge]") {
+TEST_CASE("crates on bridges of hinged planks give them no energy", "[rigid][once][bridge]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   const int planks = GENERATE(12, 20, 30, 40), crates = GENERATE(1, 3, 5, 8);
   if (solver != std::string("soft_step") && planks > 12) return;  // ten times slower
@@ -92,7 +92,7 @@ TEST_CASE("crates on bridges of hinged planks give them no energy", "[rigid][bri
   CHECK(open < 0.05);
 }
 
-TEST_CASE("chains held at both ends carry loads of many times their links", "[rigid][bridge]") {
+TEST_CASE("chains held at both ends carry loads of many times their links", "[rigid][once][bridge]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   const char* type = GENERATE("hinge", "ball");
   const double slack = GENERATE(0.97, 0.999), ratio = GENERATE(1, 100, 10000);

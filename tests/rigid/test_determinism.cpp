@@ -90,7 +90,7 @@ TEST_CASE("hashes do not depend on threads, compiler or optimisation", "[rigid][
 // What orders a solve (islands, colours, trees, lists, axes, recycled contacts) is kept between steps, but is a
 // function of the state: made anew in every step, or restored now and then, it gives the same bits, whatever was made,
 // destroyed, put to sleep and woken meanwhile.
-TEST_CASE("what is kept between steps is in the state or follows from it", "[rigid][determinism][threads]") {
+TEST_CASE("what is kept between steps is in the state or follows from it", "[rigid][once][determinism][threads]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   CAPTURE(solver);
   enum class Way { plain, rebuilt, restored };
@@ -128,7 +128,8 @@ TEST_CASE("what is kept between steps is in the state or follows from it", "[rig
 }
 
 // Tasks of a host: a queue that two threads empty.
-TEST_CASE("a host's threads give the same bits, and helpers may outlive the world", "[rigid][determinism][threads]") {
+TEST_CASE("a host's threads give the same bits, and helpers may outlive the world",
+          "[rigid][once][determinism][threads]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   CAPTURE(solver);
   std::mutex lock;

@@ -64,7 +64,7 @@ void wrecking_ball(Loaded& t, double ratio, double degrees) {
 
 }  // namespace
 
-TEST_CASE("a wrecking ball stays on its chain", "[rigid][overload]") {
+TEST_CASE("a wrecking ball stays on its chain", "[rigid][once][overload]") {
   const double ratio = GENERATE(100.0, 700.0, 1080.0, 5000.0), degrees = GENERATE(50.0, 85.0);
   CAPTURE(ratio, degrees);
   Loaded t;
@@ -76,7 +76,7 @@ TEST_CASE("a wrecking ball stays on its chain", "[rigid][overload]") {
 }
 
 // Links of 1 kg and half a metre lie in a zigzag, by `angle` from the horizontal; the load falls until they are taut.
-TEST_CASE("a load that falls into its chain does not tear it", "[rigid][overload]") {
+TEST_CASE("a load that falls into its chain does not tear it", "[rigid][once][overload]") {
   const double angle = GENERATE(0.03, 0.1, 1.2);
   const double ratio = GENERATE(100.0, 500.0, 1000.0, 3000.0, 5000.0);
   const int links = GENERATE(10, 24);

@@ -143,7 +143,7 @@ TEST_CASE("chains of rods keep their energy", "[rigid][closed][rods]") {
 }
 
 // Contacts use the arms and axes of the start of the step: in a slender body that must not add rotation about its axis.
-TEST_CASE("chains of rods that hit each other gain no energy", "[rigid][rods]") {
+TEST_CASE("chains of rods that hit each other gain no energy", "[rigid][once][rods]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   const char* type = GENERATE("hinge", "ball");
   const double thick = GENERATE(0.001, 0.01);

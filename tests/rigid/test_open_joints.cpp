@@ -59,7 +59,7 @@ double energy_share(const char* solver, const Opened& o, Real& left) {
 
 }  // namespace
 
-TEST_CASE("joints that were torn open close without more energy than their closing speed explains", "[rigid]") {
+TEST_CASE("joints that were torn open close without more energy than their closing speed explains", "[rigid][once]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   const std::string shape = GENERATE("tree", "twice", "loop");
   const std::string kind = GENERATE("ball", "hinge", "weld");
