@@ -12,6 +12,7 @@
 // nu v / H) / compression (Morris, Fox & Zhu 1997), with the fluid's own speed v and height H; the solver substep from
 // sound, boundary, acceleration, viscosity and tension. Where max_substeps do not suffice, c is lowered to what they
 // carry, and a warning says how far the fluid will be compressed.
+// Bodies yield to it linearly implicitly (yield_bodies.cpp), however light they are.
 // Isolated particles do not count for c (components.h). Where c rises, because a fast component approaches, pressure
 // first keeps its value, and the surplus that the compression would have at the new c is blended in over the time of a
 // free fall through the column: else the energy of the compression, larger by the ratio of c^2, would throw up fluid at
@@ -26,6 +27,7 @@
 #include "fluid/block_sums.h"
 #include "fluid/components.h"
 #include "fluid/solver.h"
+#include "fluid/yield_bodies.h"
 
 namespace feder {
 namespace {
@@ -43,8 +45,9 @@ constexpr Real kMaxRatio = Real(1.5);
 // faster still.
 constexpr Real kMaxRebound = 1;
 
-// Bulk viscosity of the acoustic damper over the speed of sound times the smoothing length.
-constexpr Real kDamper = Real(0.2);
+// Bulk viscosity of the acoustic damper over the speed of sound times the smoothing length. Of what weighs, as that
+// rings when it sinks into its compression; drops that tension holds have to stay warm to yield (pool.cpp).
+constexpr Real kDamper = Real(0.05);
 
 Real compression_of(const FluidPool& p) { return p.desc.compression > 0 ? p.desc.compression : Real(0.01); }
 
@@ -75,7 +78,7 @@ class Wcsph final : public FluidSolver {
   void refresh(FluidPool& p, bool sorted, StepContext& c);
   void find_contacts(FluidPool& p, StepContext& c);
   void find_pressures(FluidPool& p, Real h, bool first, StepContext& c);
-  void accelerate(FluidPool& p, Real h, StepContext& c);
+  void accelerate(FluidPool& p, Real h, Real lead, StepContext& c);
   void kick(FluidPool& p, Real h, StepContext& c);
   // s, of the kick before the motion of a solver substep. Between two of them a leapfrog's are joined to a whole one.
   Real kick_time(const FluidPool& p, const StepContext& c) const {
@@ -112,7 +115,7 @@ void Wcsph::press(StepContext& c) {
     const Real h = kick_time(p, c);
     find_pressures(p, h, c.inner.index == 0, c);
     if (c.inner.index == 0) damp_still_noise(p, c.h, c);
-    accelerate(p, h, c);
+    accelerate(p, h, h_ * static_cast<Real>(c.inner.index + 1), c);
   });
 }
 
@@ -125,7 +128,7 @@ void Wcsph::project(StepContext& c) {
     p.project_out(*boundary, *c.jobs);
     if (!p.half_kicks || !c.inner.last()) return;
     refresh(p, false, c);
-    find_pressures(p, h_ / 2, false, c), accelerate(p, h_ / 2, c), kick(p, h_ / 2, c);
+    find_pressures(p, h_ / 2, false, c), accelerate(p, h_ / 2, c.h, c), kick(p, h_ / 2, c);
   });
 }
 
@@ -164,15 +167,9 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   const Real floor2 = std::max({flow.speed2, gh, nu * speed / height, held});
   Real sound = std::sqrt(floor2 / compression_of(p));
 
-  // step: a body lighter than the particles that press on it swings faster than they do
-  Real light = 1;
-  bool any = false;
-  for (const BoundaryBody& b : boundary->bodies) any = any || (b.dynamic && !b.inv_mass.isZero(0));
-  if (any) find_contacts(p, c);
-  for (const BoundaryBody& b : boundary->bodies)
-    if (b.dynamic) light = std::max(light, Real(0.1) * p.mass * b.inv_mass.maxCoeff() * b.contact_weight * p.support);
+  // step
   const Real others = std::max(speed, boundary_speed);
-  Real step = kCourant * length_unit / (std::sqrt(light) * sound + others);
+  Real step = kCourant * length_unit / (sound + others);
   step = std::min(step, g > 0 ? kForceLimit * std::sqrt(length_unit / g) : step);
   if (p.desc.surface_tension > 0)
     step = std::min(step, Real(0.4) * std::sqrt(p.desc.density * length_unit * length_unit * length_unit /
@@ -181,8 +178,8 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   const int steps = static_cast<int>(std::min(std::max(Real(1), wanted), static_cast<Real>(p.desc.max_substeps)));
   if (wanted > static_cast<Real>(p.desc.max_substeps)) {
     // the speed of sound that max_substeps carry
-    const Real carried = std::max((kCourant * length_unit * static_cast<Real>(steps) / c.h - others) / std::sqrt(light),
-                                  Real(0.1) * sound / 10);
+    const Real carried =
+        std::max(kCourant * length_unit * static_cast<Real>(steps) / c.h - others, Real(0.1) * sound / 10);
     if (!p.warned_budget) {
       p.warned_budget = true;
       const Real squeezed = compression_of(p) * (sound / carried) * (sound / carried);
@@ -195,7 +192,7 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
     }
     sound = std::min(sound, carried);
   }
-  FEDER_ASSERT(!(sound < 0) && light >= 1);
+  FEDER_ASSERT(!(sound < 0));
   p.sound_before = p.sound, p.sound = sound;
   p.settling = g > 0 ? std::sqrt(height / g) : height / std::sqrt(floor2);
   return steps;
@@ -247,7 +244,8 @@ void Wcsph::find_pressures(FluidPool& p, Real h, bool first, StepContext& c) {
     std::copy(p.ratio.begin() + begin, p.ratio.begin() + end, p.squares.begin() + begin);
   });
   p.find_ratios(*boundary, *c.jobs);
-  const Real damper = first ? Real(0) : kDamper * p.desc.density * p.sound * (p.support / 2) / h_;
+  const bool weighs = !p.weight(c.gravity).isZero(0);
+  const Real damper = first || !weighs ? Real(0) : kDamper * p.desc.density * p.sound * (p.support / 2) / h_;
   const bool risen = first && p.sound_before > 0 && p.sound > p.sound_before;
   const Real stay = p.settling / (p.settling + h);
   c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t begin, std::uint32_t end, int) {
@@ -273,8 +271,9 @@ void Wcsph::find_pressures(FluidPool& p, Real h, bool first, StepContext& c) {
   });
 }
 
-// Accelerations by neighbours and by the boundary, for a kick of h seconds.
-void Wcsph::accelerate(FluidPool& p, Real h, StepContext& c) {
+// Accelerations by neighbours and by the boundary, for a kick of h seconds. `lead`: s, for which a change of a body's
+// velocity counts for its pose where forces are found next.
+void Wcsph::accelerate(FluidPool& p, Real h, Real lead, StepContext& c) {
   SweepInput in = p.sweep_input();
   const Real density = p.desc.density, factor = -p.slope_factor / density;
   in.damping = density * p.desc.artificial_viscosity * p.sound * p.support / 2;
@@ -298,7 +297,8 @@ void Wcsph::accelerate(FluidPool& p, Real h, StepContext& c) {
       p.move[i].set(a);
     }
   });
-  // opposite impulses on bodies
+  // opposite impulses on bodies, once they yield
+  if (!p.dynamic_contacts.empty()) yield_bodies(p, *boundary, h, lead, c);
   for (const std::uint32_t at : p.dynamic_contacts) {
     const BoundaryContact& k = p.contacts[at];
     boundary->body_of(k).push(p.x[k.particle].vec(), -k.impulse * k.normal);
