@@ -29,6 +29,15 @@ void read_wall_slip(Options& o, const OptionRow& row, FluidReading& d) {
 }
 std::string default_wall_slip(const FluidReading& d) { return print_value(d.wall_slip); }
 
+constexpr const char* kIntegrator = "leapfrog, symplectic_euler";
+
+void read_integrator(Options& o, const OptionRow& row, FluidReading& d) {
+  int index = 0;
+  if (o.choice(row.name, kIntegrator, index))
+    d.integrator = split_choices(kIntegrator)[static_cast<std::size_t>(index)];
+}
+std::string default_integrator(const FluidReading& d) { return print_value(d.integrator); }
+
 constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::name>("name"),
     field<&FluidDesc::spacing>("spacing", "m", kPositive),
@@ -44,6 +53,7 @@ constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::stiffness>("stiffness", "Pa", kNotNegative),
     field<&FluidDesc::compression>("compression", "", {0, 0.5, true}).unset(),
     field<&FluidDesc::artificial_viscosity>("artificial_viscosity", "", {0, 10}),
+    {{.name = "integrator", .choices = kIntegrator}, "string", read_integrator, default_integrator},
     field<&FluidDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     field<&FluidDesc::iterations>("iterations", "", {1, 1000}),
     field<&FluidDesc::tolerance>("tolerance", "%", {1e-6, 100}),

@@ -12,20 +12,29 @@ inline std::uint32_t block_count(std::uint32_t count, JobGrain grain) {
   return count / grain.items + (count % grain.items != 0);
 }
 
-// f(i, sum) adds the term of i to a Sum, which begins at its default; Sum::add(other) adds that of the next block.
+// f(first, last, sum) adds the terms of a block to a Sum, which begins at its default; Sum::add(other) adds that of the
+// next block.
 template <class Sum, class F>
-Sum sum_blocks(std::uint32_t count, JobGrain grain, JobPool& jobs, Scratch& scratch, F&& f) {
+Sum sum_ranges(std::uint32_t count, JobGrain grain, JobPool& jobs, Scratch& scratch, F&& f) {
   const Scratch::Frame frame(scratch);
   const std::uint32_t blocks = block_count(count, grain);
   Sum* sums = scratch.take<Sum>(blocks);
   jobs.for_blocks(count, grain, [&](std::uint32_t first, std::uint32_t last, int) {
     Sum sum;
-    for (std::uint32_t i = first; i < last; ++i) f(i, sum);
+    f(first, last, sum);
     new (&sums[first / grain.items]) Sum(sum);
   });
   Sum all;
   for (std::uint32_t b = 0; b < blocks; ++b) all.add(sums[b]);
   return all;
+}
+
+// The same by f(i, sum) for each term.
+template <class Sum, class F>
+Sum sum_blocks(std::uint32_t count, JobGrain grain, JobPool& jobs, Scratch& scratch, F&& f) {
+  return sum_ranges<Sum>(count, grain, jobs, scratch, [&](std::uint32_t first, std::uint32_t last, Sum& sum) {
+    for (std::uint32_t i = first; i < last; ++i) f(i, sum);
+  });
 }
 
 // f(i, impulses) for each particle; it adds what the particle gives to bodies that the fluid does not move to

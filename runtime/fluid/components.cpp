@@ -256,7 +256,7 @@ FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext
   }
   Component* list = c.scratch->take<Component>(components);
   for (std::uint32_t k = 0; k < components; ++k) new (&list[k]) Component, list[k].parent = k;
-  const Vec3 gravity = p.desc.gravity_scale * c.gravity;
+  const Vec3 gravity = p.weight(c.gravity);
   include_particles(p, gravity, {runs, n}, component_of, {list, components}, c);
 
   // who meets whom in the substep
@@ -281,10 +281,12 @@ FlowScales flow_scales(FluidPool& p, const Boundary& boundary, const StepContext
     scales.speed2 = std::max(scales.speed2, one.frame_speed2());
     scales.head = std::max(scales.head, one.high - one.low);
   }
+  scales.head += p.squeeze;
   return scales;
 }
 
-ColumnScales column_scales(const FluidPool& p, const Vec3& gravity, const StepContext& c) {
+ColumnScales column_scales(const FluidPool& p, const StepContext& c) {
+  const Vec3 gravity = p.weight(c.gravity);
   constexpr Real kCompany = Real(0.2);  // least density over density at rest by neighbours
   struct Sums {
     Real speed2 = 0, low = kInfinity;
@@ -315,6 +317,7 @@ ColumnScales column_scales(const FluidPool& p, const Vec3& gravity, const StepCo
   }
   if (g > 0 && all.count > 0)
     column.height = 2 * (static_cast<Real>(all.depth / all.count) - all.low) / g + p.desc.spacing;
+  column.head = g * column.height + (all.count > 0 ? p.squeeze : Real(0));
   return column;
 }
 

@@ -20,10 +20,11 @@ struct ColumnScales {
   Real speed2 = 0;  // largest of all particles, squared, m^2/s^2
   Real pace = 0;    // typical speed, m/s: squared mean of the roots, so that few fast ones hardly count
   Real height = 0;  // twice the mean height above the lowest particle, m; 0 where there is none, or no gravity
+  Real head = 0;    // g H, and what holds it together from all sides, m^2/s^2
   std::uint32_t count = 0;
   Aabb box;
 };
-ColumnScales column_scales(const FluidPool& p, const Vec3& gravity, const StepContext& c);
+ColumnScales column_scales(const FluidPool& p, const StepContext& c);
 
 // Largest speed that counts for the CFL number, m/s: of the column's particles (in the frames of their components,
 // where they move by more than `travel` m in a step), and of bodies whose boxes meet it.

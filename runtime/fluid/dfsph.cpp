@@ -39,12 +39,9 @@ constexpr double kVelocityTolerance[2] = {0.05, 1}, kToleranceByTravel = 12;
 constexpr double kMostGrowth = 0.0005;      // of them, but for the least: more of it keeps itself alive
 constexpr Real kLivelyTravel = Real(0.04);  // in a substep, in spacings, of a typical particle that hears no noise
 constexpr Real kCarriedLoad = 1;  // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
-constexpr Real kMostRebound = Real(0.01);  // of the density ratio, that velocities take back in a substep
-constexpr Real kLoosest = Real(0.01);      // of the tolerances that are used: with looser ones water boils
-constexpr Real kStiffness = 20;            // least (c h / d)^2, c the speed of sound
-// Of sqrt(g/d): of the decay of the shortest waves, in the plane (where a slosh loses by it) and in space.
-constexpr Real kNoiseRate[2] = {Real(0.45), Real(1.2)};
-constexpr Real kMaxNoiseShare = Real(0.5);    // of them, in a substep
+constexpr Real kMostRebound = Real(0.01);     // of the density ratio, that velocities take back in a substep
+constexpr Real kLoosest = Real(0.01);         // of the tolerances that are used: with looser ones water boils
+constexpr Real kStiffness = 20;               // least (c h / d)^2, c the speed of sound
 constexpr Real kMaxShift = Real(0.5);         // spacings, of a displacement
 constexpr double kMissed = 10;                // times the tolerance: errors that are worth a warning
 constexpr Real kBudgetPatience = Real(0.25);  // s, for which a solve fails before a warning: splashes pass
@@ -83,7 +80,6 @@ class Dfsph final : public FluidSolver {
   void check_budget(StepContext& c);
   Real wanted_steps(FluidPool& p, const StepContext& c) const;
   void find_compliance(FluidPool& p) const;
-  void damp(FluidPool& p, StepContext& c) const;
   static Real tolerance(const FluidPool& p) { return std::min(p.desc.tolerance / 100, kLoosest); }
   // Of a typical particle in a substep, in spacings.
   Real travel(const FluidPool& p) const { return h_ * p.pace / p.desc.spacing; }
@@ -95,12 +91,11 @@ class Dfsph final : public FluidSolver {
 
 // Solver substeps that nothing passes through anything in, and that a column does not boil in.
 Real Dfsph::wanted_steps(FluidPool& p, const StepContext& c) const {
-  const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const Real d = p.desc.spacing;
-  const ColumnScales column = column_scales(p, gravity, c);
+  const ColumnScales column = column_scales(p, c);
   const Real speed = speed_near(p, column, *boundary, kCflTravel * d, c);
   p.pace = column.pace;
-  p.head = length(gravity) * column.height;
+  p.head = column.head;
   const Real load = p.head * c.h * c.h / (d * d);
   return std::ceil(std::max({c.h * speed / (kCflTravel * d), std::sqrt(load / kCarriedLoad), Real(1)}));
 }
@@ -152,13 +147,6 @@ void Dfsph::find_compliance(FluidPool& p) const {
   const Real d = p.desc.spacing, strain = tolerance(p) / 2;
   const Real sound2 = std::max(p.head / strain, kStiffness * d * d / (h_ * h_));
   p.compliance = 1 / (h_ * h_ * p.mass * sound2);
-}
-
-// Without, still water goes on moving with the energy of its settling, as a thermal bath: pressure takes none.
-void Dfsph::damp(FluidPool& p, StepContext& c) const {
-  const Real g = length(Vec3(p.desc.gravity_scale * c.gravity));
-  if (!(g > 0) || travel(p) > kLivelyTravel) return;
-  damp_noise(p, std::min(kMaxNoiseShare, h_ * kNoiseRate[p.dimension - 2] * std::sqrt(g / p.desc.spacing)), c);
 }
 
 // Of the growth of the density in a substep.
@@ -231,7 +219,7 @@ void Dfsph::correct_velocities(StepContext& c) {
       }
     });
     find_compliance(p);
-    damp(p, c);
+    if (travel(p) <= kLivelyTravel) damp_still_noise(p, h_, c);
     if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h_, c);
     if (p.desc.surface_tension > 0) add_tension(p, *boundary, h_, c);
     p.last_h = h_;

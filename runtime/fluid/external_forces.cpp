@@ -3,8 +3,10 @@
 // the surface: the gradient of the colour field, times the volume of a particle, is the area that it stands for, with
 // its normal (Brackbill, Kothe & Zemach 1992; Mueller, Charypar & Gross 2003); the part of it that faces the flow is
 // pushed along the flow, what lies along it rubs at kSkin. A particle alone has its own section. Kept between calls:
-// forces of scripts, by particle. Weak spot: wcsph and pbf choose their substeps by gravity and speed, not by these
-// forces; no wind shadow.
+// forces of scripts, by particle. What presses the fluid together counts for the substeps that solvers choose, and for
+// the speed of sound: the mean acceleration as gravity does, and of the rest the virial -<a . r> (Clausius 1870), which
+// is the pressure over the density in the middle of a drop that an attractor holds. Wind and drag do not: what they
+// press is no column. Weak spots: no wind shadow; forces that cancel in both means press unseen.
 #include <algorithm>
 
 #include "fluid/block_sums.h"
@@ -29,6 +31,15 @@ struct Sums {
   }
 };
 
+// Of positions and accelerations.
+struct Pressing {
+  double acceleration[3] = {0, 0, 0}, position[3] = {0, 0, 0}, along = 0;  // m/s^2, m, m^2/s^2
+  void add(const Pressing& s) {
+    for (int k = 0; k < 3; ++k) acceleration[k] += s.acceleration[k], position[k] += s.position[k];
+    along += s.along;
+  }
+};
+
 Sums sums_of(const FluidPool& p, const StepContext& c) {
   // of velocities and their squares
   Sums s = sum_blocks<Sums>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Sums& sum) {
@@ -49,7 +60,8 @@ Vec3 wind_force(const Vec3& full, const Row4& surface) {
   return (facing + kSkin * length(out) + surface.w) * full;
 }
 
-// Adds the forces on the particles [first, last), at most kForceBlock, to `out`.
+// Adds the forces on the particles [first, last), at most kForceBlock, to `out`; `drag`: what each may stop of a
+// velocity, 1/s, or 0: without drag and wind.
 template <class EachForce>
 void add_generators(const FluidPool& p, std::uint32_t first, std::uint32_t last, double time, Real drag,
                     EachForce&& each_force, Vec3* out) {
@@ -64,6 +76,7 @@ void add_generators(const FluidPool& p, std::uint32_t first, std::uint32_t last,
   }
   each_force(p, [&](const ForceEntry& f) {
     if (!f.force->on_area()) return f.force->add(points, count, time, out);
+    if (!(drag > 0)) return;
     for (std::uint32_t k = 0; k < count; ++k) {
       const Row4& surface = p.surface[first + k];
       const Real area = (1 + kSkin) * length(surface.vec()) + surface.w;
@@ -139,42 +152,98 @@ void Fluid::Impl::find_surfaces(StepContext& c) {
   }
 }
 
-void Fluid::Impl::apply_forces(StepContext& c) {
-  const Real h = c.h / static_cast<Real>(c.inner.count);
-  const double time =
-      c.time + static_cast<double>(c.substep) * static_cast<double>(c.h) + c.inner.index * static_cast<double>(h);
+// Forces on the particles, those of scripts included; f(first, last, forces) gets them block by block.
+template <class F>
+void Fluid::Impl::each_force_block(const FluidPool& p, std::uint32_t first, std::uint32_t last, double time, Real drag,
+                                   F&& f) const {
+  Vec3 force[kForceBlock];
+  for (std::uint32_t from = first; from < last; from += kForceBlock) {
+    const std::uint32_t to = std::min(from + kForceBlock, last);
+    for (std::uint32_t i = from; i < to; ++i)
+      force[i - from] = p.script_force.empty() ? Vec3(Vec3::Zero()) : p.script_force[i].vec();
+    add_generators(
+        p, from, to, time, drag, [&](const FluidPool& q, auto&& g) { each_force(q, g); }, force);
+    f(from, to, force);
+  }
+}
+
+// Null: none acts on the pool. Else the threads that may ask for them.
+JobPool* Fluid::Impl::jobs_of_forces(const FluidPool& p, StepContext& c) {
+  bool any = !p.script_force.empty(), serial = false;
+  each_force(p, [&](const ForceEntry& f) { any = true, serial = serial || f.force->on_stepping_thread(); });
+  return any ? (serial ? &one_thread : c.jobs) : nullptr;
+}
+
+// What presses the pools together in this substep, before they choose their solver substeps.
+void Fluid::Impl::find_pressing(StepContext& c) {
+  const double time = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
+  for (auto& pool : pools) {
+    FluidPool& p = *pool;
+    p.pressing = Vec3::Zero(), p.squeeze = 0;
+    if (!p.active()) continue;
+    JobPool* jobs = jobs_of_forces(p, c);
+    if (!jobs) continue;
+    const double inv_mass = 1 / static_cast<double>(p.mass), n = p.count;
+    const Pressing all = sum_ranges<Pressing>(
+        p.count, kParticleGrain, *jobs, *c.scratch, [&](std::uint32_t first, std::uint32_t last, Pressing& sum) {
+          each_force_block(p, first, last, time, 0, [&](std::uint32_t from, std::uint32_t to, const Vec3* force) {
+            for (std::uint32_t i = from; i < to; ++i)
+              for (int k = 0; k < (p.dimension == 2 ? 2 : 3); ++k) {
+                const double a = static_cast<double>(force[i - from][k]) * inv_mass;
+                const double x = static_cast<double>(p.x[i].vec()[k]);
+                sum.acceleration[k] += a, sum.position[k] += x, sum.along += a * x;
+              }
+          });
+        });
+    double virial = -all.along / n;
+    for (int k = 0; k < 3; ++k) {
+      p.pressing[k] = static_cast<Real>(all.acceleration[k] / n);
+      virial += all.acceleration[k] / n * (all.position[k] / n);
+    }
+    p.squeeze = static_cast<Real>(std::max(0.0, virial));
+  }
+}
+
+// Of the running group, each pool for seconds(pool).
+template <class F>
+void Fluid::Impl::kick_by_forces(double time, StepContext& c, F&& seconds) {
   const Forces* forces = store.find<Forces>();
-  const Real drag = (forces ? forces->drag_share() : Real(1)) / h;
+  const Real share = forces ? forces->drag_share() : Real(1);
   for (auto& pool : pools) {
     FluidPool& p = *pool;
     if (!p.active() || p.group != static_cast<std::uint32_t>(c.inner.group)) continue;
-    bool any = !p.script_force.empty(), serial = false;
-    each_force(p, [&](const ForceEntry& f) { any = true, serial = serial || f.force->on_stepping_thread(); });
-    if (!any) continue;
-    const auto push = [&](std::uint32_t first, std::uint32_t last, int) {
-      Vec3 force[kForceBlock];
-      for (std::uint32_t from = first; from < last; from += kForceBlock) {
-        const std::uint32_t to = std::min(from + kForceBlock, last);
-        for (std::uint32_t i = from; i < to; ++i)
-          force[i - from] = p.script_force.empty() ? Vec3(Vec3::Zero()) : p.script_force[i].vec();
-        add_generators(
-            p, from, to, time, drag, [&](const FluidPool& q, auto&& f) { each_force(q, f); }, force);
+    const Real h = seconds(p);
+    JobPool* jobs = h > 0 ? jobs_of_forces(p, c) : nullptr;
+    if (!jobs) continue;
+    const Sums before = sums_of(p, c);
+    jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      each_force_block(p, first, last, time, share / h, [&](std::uint32_t from, std::uint32_t to, const Vec3* force) {
         for (std::uint32_t i = from; i < to; ++i) {
           Vec3 kick = (h / p.mass) * force[i - from];
           if (p.dimension == 2) kick[2] = 0;
           p.v[i].set(p.v[i].vec() + kick);
         }
-      }
-    };
-    const Sums before = sums_of(p, c);
-    if (serial)
-      push(0, p.count, 0);
-    else
-      c.jobs->for_blocks(p.count, kParticleGrain, push);
+      });
+    });
     const Sums after = sums_of(p, c);
     for (int k = 0; k < 3; ++k) p.pushed[k] += after.momentum[k] - before.momentum[k];
     p.worked += std::max(0.0, after.kinetic - before.kinetic);
   }
+}
+
+void Fluid::Impl::apply_forces(StepContext& c) {
+  const Real h = c.h / static_cast<Real>(c.inner.count);
+  const double time =
+      c.time + static_cast<double>(c.substep) * static_cast<double>(c.h) + c.inner.index * static_cast<double>(h);
+  kick_by_forces(time, c, [&](const FluidPool& p) { return p.half_kicks && c.inner.index == 0 ? h / 2 : h; });
+}
+
+// The last half of pools that began with one.
+void Fluid::Impl::close_forces(StepContext& c) {
+  if (!c.inner.last()) return;
+  const Real h = c.h / static_cast<Real>(c.inner.count);
+  const double time = c.time + static_cast<double>(c.substep + 1) * static_cast<double>(c.h);
+  kick_by_forces(time, c, [&](const FluidPool& p) { return p.half_kicks ? h / 2 : Real(0); });
 }
 
 double Fluid::Impl::potential(const FluidPool& p) const {

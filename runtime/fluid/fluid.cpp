@@ -26,6 +26,8 @@ void check_desc(const FluidDesc& d) {
     throw SceneError("fluid: wall_slip: expected \"none\" or \"free\", got \"" + d.wall_slip + "\"");
   need(d.surface_tension >= 0 && is_finite(d.surface_tension), "surface_tension", "a finite number, 0 or more",
        d.surface_tension);
+  if (d.integrator != "leapfrog" && d.integrator != "symplectic_euler")
+    throw SceneError("fluid: integrator: expected \"leapfrog\" or \"symplectic_euler\", got \"" + d.integrator + "\"");
   need(d.support == 0 || (d.support >= Real(1.2) && d.support <= 4), "support", "1.2 to 4 spacings", d.support);
   need(d.stiffness >= 0 && is_finite(d.stiffness), "stiffness", "a finite number, 0 or more", d.stiffness);
   need(d.iterations >= 1 && d.iterations <= 1000, "iterations", "1 to 1000", d.iterations);
@@ -101,10 +103,15 @@ void Fluid::add_passes(StepPlan& plan) {
   plan.add<&Impl::make_groups>(before(Rank::fluid_choose), "groups", kName, m);
   if (m->has_forces()) {
     if (m->has_wind()) plan.add<&Impl::find_surfaces>(before(Rank::fluid_choose), "surfaces", kName, m);
+    plan.add<&Impl::find_pressing>(before(Rank::fluid_choose), "what presses", kName, m);
     plan.add<&Impl::apply_forces>(before(Rank::fluid_predict), "forces", kName, m);
+  } else {
+    for (auto& p : m->pools) p->pressing = Vec3::Zero(), p->squeeze = 0;
   }
   for (auto& s : m->solvers)
     if (s && !s->pools.empty()) s->add_passes(plan);
+  if (m->has_forces() && std::any_of(m->pools.begin(), m->pools.end(), [](const auto& p) { return p->half_kicks; }))
+    plan.add<&Impl::close_forces>(Rank::fluid_project, "forces, last half", kName, m);
   plan.add<&Impl::project>(Rank::boundary_project, "non-penetration", kName, m);
   if (!m->drains.empty()) plan.add<&Impl::drain>(Rank::fluid_drain, "drain", kName, m);
   const bool kills =

@@ -24,6 +24,12 @@ constexpr int kMaxRounds = 64;             // in a solver substep
 
 constexpr Real kShortest = 50;  // over the squared support: largest eigenvalue of the Laplacian, 47 to 56 by the kernel
 
+// Of sqrt(g/d): of the decay of the shortest waves, in the plane (where a slosh loses by it) and in space.
+constexpr Real kNoiseRate[2] = {Real(0.45), Real(1.2)};
+constexpr Real kMaxNoiseShare = Real(0.5);  // of them, in a substep
+
+constexpr Real kCrowd = Real(1.5);  // density over that at rest, beyond which they are damped less
+
 // What makes the sum of Sweeps::viscous a Laplacian, times `by`.
 Real laplacian_factor(const FluidPool& p, Real by) {
   const int d = p.dimension;
@@ -114,6 +120,12 @@ void add_tension(FluidPool& p, Boundary&, Real h, StepContext& c) {
   });
 }
 
+void damp_still_noise(FluidPool& p, Real h, StepContext& c) {
+  const Real g = length(p.weight(c.gravity));
+  if (g > 0)
+    damp_noise(p, std::min(kMaxNoiseShare, h * kNoiseRate[p.dimension - 2] * std::sqrt(g / p.desc.spacing)), c);
+}
+
 void damp_noise(FluidPool& p, Real share, StepContext& c) {
   FEDER_ASSERT(share > 0 && share <= 1);
   const Real r2 = p.support * p.support, factor = laplacian_factor(p, r2 / kShortest);
@@ -121,7 +133,11 @@ void damp_noise(FluidPool& p, Real share, StepContext& c) {
   in.soft = Real(1e-6) * r2;
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->viscous(in, first, last, &p.extra[0].x);
-    for (std::uint32_t i = first; i < last; ++i) p.extra[i].set(factor * p.extra[i].vec());
+    for (std::uint32_t i = first; i < last; ++i) {
+      const Real crowd =
+          std::max(Real(1), p.ratio[i] / kCrowd);  // sums grow with the density, and with them what is stable
+      p.extra[i].set(factor / (crowd * crowd) * p.extra[i].vec());
+    }
   });
   p.extra[p.count] = {};
   in.velocity = &p.extra[0].x;

@@ -119,10 +119,18 @@ struct Fluid::Impl {
   bool is_forced(const FluidPool& p) const;  // by any of them
   bool has_wind();                           // and makes room for the surfaces that it acts on
   void find_surfaces(StepContext& c);
+  void find_pressing(StepContext& c);
   void apply_forces(StepContext& c);
+  void close_forces(StepContext& c);
+  template <class F>
+  void kick_by_forces(double time, StepContext& c, F&& seconds);
   template <class F>
   void each_force(const FluidPool& p, F&& f) const;  // calls f(entry) for the generators that act on the pool
-  double potential(const FluidPool& p) const;        // of them, J
+  template <class F>
+  void each_force_block(const FluidPool& p, std::uint32_t first, std::uint32_t last, double time, Real drag,
+                        F&& f) const;
+  JobPool* jobs_of_forces(const FluidPool& p, StepContext& c);
+  double potential(const FluidPool& p) const;  // of them, J
   // sleep.cpp
   struct RestSums {
     double square = 0, most = 0;  // of the squared speeds, m^2/s^2

@@ -127,13 +127,12 @@ class Pbf final : public FluidSolver {
 };
 
 Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
-  const Vec3 gravity = p.desc.gravity_scale * c.gravity;
-  const Real g = length(gravity), d = p.desc.spacing;
-  const ColumnScales column = column_scales(p, gravity, c);
+  const Real d = p.desc.spacing;
+  const ColumnScales column = column_scales(p, c);
   Wanted wanted;
   wanted.travel = c.h * speed_near(p, column, *boundary, kMaxTravel * d, c) / (kMaxTravel * d);
-  if (column.count == 0 || !(g > 0)) return wanted;
-  const Real load = g * c.h * c.h * column.height / (d * d), iterations = static_cast<Real>(p.desc.iterations);
+  if (!(column.head > 0)) return wanted;
+  const Real load = c.h * c.h * column.head / (d * d), iterations = static_cast<Real>(p.desc.iterations);
   const Real strain = 5 * kLattice * p.least_squares * d * d * load / (iterations * iterations);
   wanted.load = std::sqrt(std::max(load / std::min(kMaxLoad * iterations, Real(1)), strain / kMaxStrain));
   return wanted;

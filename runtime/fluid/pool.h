@@ -83,6 +83,8 @@ struct FluidPool {
   // Of external_forces.cpp. Forces of scripts, N, empty until there are any; surface that wind acts on: its area times
   // its normal outwards, m^2, and in w the section of a particle alone, empty without wind.
   Array<Row4> script_force{&arena}, surface{&arena};
+  Vec3 pressing = Vec3::Zero();  // mean acceleration by them in this substep, m/s^2; work, zero without any
+  Real squeeze = 0;  // pressure over density in the middle, by those that hold it together, m^2/s^2; likewise
   double pushed[3] = {0, 0, 0};  // momentum by forces since a coupling set it to zero, kg m/s
   double worked = 0;             // kinetic energy that forces added in this step, J
 
@@ -111,8 +113,9 @@ struct FluidPool {
   Array<std::uint32_t> swap_id{&arena};
   CellGrid grid{arena};
   NeighborLists lists{arena};
-  bool lists_stale = true;                          // wcsph, in a substep
-  Array<BoundaryContact> contacts{&arena};          // by particle
+  bool lists_stale = true;                  // wcsph, in a substep
+  bool half_kicks = false;                  // wcsph, as a leapfrog: a substep begins with half a kick and ends with one
+  Array<BoundaryContact> contacts{&arena};  // by particle
   Array<std::uint32_t> contact_first{&arena};       // of a particle; one more than particles
   Array<std::uint32_t> block_first{&arena};         // work of find_contacts: of a block of particles
   Array<std::uint32_t> dynamic_contacts{&arena};    // indices of contacts with bodies that the fluid moves
@@ -155,6 +158,8 @@ struct FluidPool {
   }
   // Density over density at rest of all particles where they are; lists must be fresh.
   void find_ratios(const Boundary& boundary, JobPool& jobs);
+  // Acceleration of its column in this substep, m/s^2.
+  Vec3 weight(const Vec3& gravity) const { return desc.gravity_scale * gravity + pressing; }
   Real max_speed() const;
   double kinetic_energy() const;  // J; in blocks, as Fluid::Impl::check sums it
 

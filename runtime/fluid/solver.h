@@ -60,8 +60,12 @@ std::span<const Variant<FluidSolver>> fluid_solvers();
 // take the opposite impulses. Viscosity runs in rounds where stability requires them.
 void add_viscosity(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 void add_tension(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
+// Takes noise out of what weighs, for h seconds. Without, still water goes on moving with the energy of its settling,
+// as a thermal bath: pressure takes none.
+void damp_still_noise(FluidPool& p, Real h, StepContext& c);
 // Takes `share` of the shortest waves of the velocities out, less of longer ones by the fourth power of their number:
-// noise, not flow. Momentum stays, with kernels of radial viscosity angular momentum as well.
+// noise, not flow; density ratios must be fresh. Momentum stays, with kernels of radial viscosity angular momentum as
+// well.
 void damp_noise(FluidPool& p, Real share, StepContext& c);
 
 }  // namespace feder

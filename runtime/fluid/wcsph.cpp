@@ -2,10 +2,17 @@
 // and explicit forces. Monaghan 1994; Becker & Teschner, SCA 2007, eq. 7; pair forces in the form that follows from an
 // energy,
 // -(p_i/rho_i^2 + p_j/rho_j^2) grad W (Monaghan 2005, eq. 3.3), so linear and angular momentum are kept.
+// Motion by a leapfrog, kick-drift-kick (Verlet 1967), or by symplectic Euler: between solver substeps the half kicks
+// are joined, so a leapfrog costs one more evaluation in a substep of the world.
+// What takes energy, beside the fluid's own viscosity: sound by an acoustic damper, a pressure by the growth of the
+// density, rho c l (d rho/dt) / rho (Sun, Pilloton, Antuono & Colagrossi 2023), which is a bulk viscosity and does not
+// touch what keeps its volume; and noise of what weighs (damp_still_noise). Both keep momentum. Monaghan's artificial
+// viscosity, which damps all that approaches, only where it is asked for.
 // Nothing is tuned by hand: the speed of sound follows from the wanted compression, c^2 = max(v^2, g H,
 // nu v / H) / compression (Morris, Fox & Zhu 1997), with the fluid's own speed v and height H; the solver substep from
 // sound, boundary, acceleration, viscosity and tension. Where max_substeps do not suffice, c is lowered to what they
 // carry, and a warning says how far the fluid will be compressed.
+// Bodies yield to it linearly implicitly (yield_bodies.cpp), however light they are.
 // Isolated particles do not count for c (components.h). Where c rises, because a fast component approaches, pressure
 // first keeps its value, and the surplus that the compression would have at the new c is blended in over the time of a
 // free fall through the column: else the energy of the compression, larger by the ratio of c^2, would throw up fluid at
@@ -20,6 +27,7 @@
 #include "fluid/block_sums.h"
 #include "fluid/components.h"
 #include "fluid/solver.h"
+#include "fluid/yield_bodies.h"
 
 namespace feder {
 namespace {
@@ -37,10 +45,15 @@ constexpr Real kMaxRatio = Real(1.5);
 // faster still.
 constexpr Real kMaxRebound = 1;
 
+// Bulk viscosity of the acoustic damper over the speed of sound times the smoothing length. Of what weighs, as that
+// rings when it sinks into its compression; drops that tension holds have to stay warm to yield (pool.cpp).
+constexpr Real kDamper = Real(0.05);
+
 Real compression_of(const FluidPool& p) { return p.desc.compression > 0 ? p.desc.compression : Real(0.01); }
 
 class Wcsph final : public FluidSolver {
  public:
+  void keep(FluidPool& p) const override { p.half_kicks = p.desc.integrator == "leapfrog"; }
   void add_passes(StepPlan& plan) override {
     for (FluidPool* p : pools) p->keep_listed();
     plan.add<&Wcsph::choose_steps>(Rank::fluid_choose, "wcsph substeps", Fluid::kName, this);
@@ -62,10 +75,15 @@ class Wcsph final : public FluidSolver {
   void press(StepContext& c);
   void move(StepContext& c);
   void project(StepContext& c);
-  void refresh(FluidPool& p, StepContext& c);
+  void refresh(FluidPool& p, bool sorted, StepContext& c);
   void find_contacts(FluidPool& p, StepContext& c);
-  void find_pressures(FluidPool& p, StepContext& c);
-  void accelerate(FluidPool& p, StepContext& c);
+  void find_pressures(FluidPool& p, Real h, bool first, StepContext& c);
+  void accelerate(FluidPool& p, Real h, Real lead, StepContext& c);
+  void kick(FluidPool& p, Real h, StepContext& c);
+  // s, of the kick before the motion of a solver substep. Between two of them a leapfrog's are joined to a whole one.
+  Real kick_time(const FluidPool& p, const StepContext& c) const {
+    return p.half_kicks && c.inner.index == 0 ? h_ / 2 : h_;
+  }
   Real h_ = 0;  // s, of a fluid substep
   static Real tait(Real density, Real sound, Real ratio) { return tait(density * sound * sound / 7, ratio); }
   static Real tait(Real stiffness, Real ratio) {
@@ -89,11 +107,16 @@ void Wcsph::begin(StepContext& c) {
 }
 
 void Wcsph::find_neighbors(StepContext& c) {
-  each(c, [&](FluidPool& p) { refresh(p, c), ++p.steps; });
+  each(c, [&](FluidPool& p) { refresh(p, c.inner.index == 0, c), ++p.steps; });
 }
 
 void Wcsph::press(StepContext& c) {
-  each(c, [&](FluidPool& p) { find_pressures(p, c), accelerate(p, c); });
+  each(c, [&](FluidPool& p) {
+    const Real h = kick_time(p, c);
+    find_pressures(p, h, c.inner.index == 0, c);
+    if (c.inner.index == 0) damp_still_noise(p, c.h, c);
+    accelerate(p, h, h_ * static_cast<Real>(c.inner.index + 1), c);
+  });
 }
 
 void Wcsph::project(StepContext& c) {
@@ -101,11 +124,16 @@ void Wcsph::project(StepContext& c) {
   each(c, [&](FluidPool&) { any = true; });
   if (!any) return;
   boundary->move_to(h_ * static_cast<Real>(c.inner.index + 1));
-  each(c, [&](FluidPool& p) { p.project_out(*boundary, *c.jobs); });
+  each(c, [&](FluidPool& p) {
+    p.project_out(*boundary, *c.jobs);
+    if (!p.half_kicks || !c.inner.last()) return;
+    refresh(p, false, c);
+    find_pressures(p, h_ / 2, false, c), accelerate(p, h_ / 2, c.h, c), kick(p, h_ / 2, c);
+  });
 }
 
 int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
-  const Vec3 gravity = p.desc.gravity_scale * c.gravity;
+  const Vec3 gravity = p.weight(c.gravity);
   const Real g = length(gravity), length_unit = p.support / 2;
   // speed and height of the fluid as one component, as an upper bound
   struct Extremes {
@@ -121,7 +149,7 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
         e.add({dot(v, v), s, s});
       });
   FlowScales flow;
-  flow.speed2 = whole.speed2, flow.head = whole.high - whole.low;
+  flow.speed2 = whole.speed2, flow.head = whole.high - whole.low + p.squeeze;
   Real boundary_speed = 0;
   for (const BoundaryBody& b : boundary->bodies) boundary_speed = std::max(boundary_speed, length(b.velocity));
   const Real tension = p.inward / p.desc.density;
@@ -135,19 +163,13 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
     std::fill(p.isolated.begin(), p.isolated.begin() + p.count, std::uint8_t(0));
   // speed of sound
   const Real gh = flow.head, nu = p.desc.viscosity / p.desc.density;
-  const Real speed = std::sqrt(flow.speed2), height = g > 0 ? gh / g + p.desc.spacing : p.desc.spacing;
+  const Real speed = std::sqrt(flow.speed2), height = g > 0 ? (gh - p.squeeze) / g + p.desc.spacing : p.desc.spacing;
   const Real floor2 = std::max({flow.speed2, gh, nu * speed / height, held});
   Real sound = std::sqrt(floor2 / compression_of(p));
 
-  // step: a body lighter than the particles that press on it swings faster than they do
-  Real light = 1;
-  bool any = false;
-  for (const BoundaryBody& b : boundary->bodies) any = any || (b.dynamic && !b.inv_mass.isZero(0));
-  if (any) find_contacts(p, c);
-  for (const BoundaryBody& b : boundary->bodies)
-    if (b.dynamic) light = std::max(light, Real(0.1) * p.mass * b.inv_mass.maxCoeff() * b.contact_weight * p.support);
+  // step
   const Real others = std::max(speed, boundary_speed);
-  Real step = kCourant * length_unit / (std::sqrt(light) * sound + others);
+  Real step = kCourant * length_unit / (sound + others);
   step = std::min(step, g > 0 ? kForceLimit * std::sqrt(length_unit / g) : step);
   if (p.desc.surface_tension > 0)
     step = std::min(step, Real(0.4) * std::sqrt(p.desc.density * length_unit * length_unit * length_unit /
@@ -156,8 +178,8 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   const int steps = static_cast<int>(std::min(std::max(Real(1), wanted), static_cast<Real>(p.desc.max_substeps)));
   if (wanted > static_cast<Real>(p.desc.max_substeps)) {
     // the speed of sound that max_substeps carry
-    const Real carried = std::max((kCourant * length_unit * static_cast<Real>(steps) / c.h - others) / std::sqrt(light),
-                                  Real(0.1) * sound / 10);
+    const Real carried =
+        std::max(kCourant * length_unit * static_cast<Real>(steps) / c.h - others, Real(0.1) * sound / 10);
     if (!p.warned_budget) {
       p.warned_budget = true;
       const Real squeezed = compression_of(p) * (sound / carried) * (sound / carried);
@@ -170,14 +192,14 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
     }
     sound = std::min(sound, carried);
   }
-  FEDER_ASSERT(!(sound < 0) && light >= 1);
+  FEDER_ASSERT(!(sound < 0));
   p.sound_before = p.sound, p.sound = sound;
   p.settling = g > 0 ? std::sqrt(height / g) : height / std::sqrt(floor2);
   return steps;
 }
 
 // Neighbour lists and boundary contacts for the coming solver substep.
-void Wcsph::refresh(FluidPool& p, StepContext& c) {
+void Wcsph::refresh(FluidPool& p, bool sorted, StepContext& c) {
   const Real skin = kSkin * p.support;
   if (!p.lists_stale) {
     std::atomic<bool> stale{false};
@@ -196,7 +218,7 @@ void Wcsph::refresh(FluidPool& p, StepContext& c) {
   for (const BoundaryBody& b : boundary->bodies)
     moving = moving || b.dynamic || !b.velocity.isZero(0) || !b.angular_velocity.isZero(0);
   if (p.lists_stale) {
-    if (c.inner.index > 0) {
+    if (!sorted) {
       p.sort_by_cell(*c.jobs, skin);
       std::fill(p.isolated.begin(), p.isolated.begin() + p.count, std::uint8_t(0));  // by the order before the sort
     }
@@ -216,34 +238,42 @@ void Wcsph::find_contacts(FluidPool& p, StepContext& c) {
 }
 
 // Pressure over squared density, as weights of the sweep; where the speed of sound has risen, pressure keeps its value.
-void Wcsph::find_pressures(FluidPool& p, StepContext& c) {
+void Wcsph::find_pressures(FluidPool& p, Real h, bool first, StepContext& c) {
+  // `squares` is free here: ratios of the last solver substep
+  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t begin, std::uint32_t end, int) {
+    std::copy(p.ratio.begin() + begin, p.ratio.begin() + end, p.squares.begin() + begin);
+  });
   p.find_ratios(*boundary, *c.jobs);
-  const bool risen = c.inner.index == 0 && p.sound_before > 0 && p.sound > p.sound_before;
-  const Real stay = p.settling / (p.settling + h_);
-  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+  const bool weighs = !p.weight(c.gravity).isZero(0);
+  const Real damper = first || !weighs ? Real(0) : kDamper * p.desc.density * p.sound * (p.support / 2) / h_;
+  const bool risen = first && p.sound_before > 0 && p.sound > p.sound_before;
+  const Real stay = p.settling / (p.settling + h);
+  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t begin, std::uint32_t end, int) {
     if (risen)
-      for (std::uint32_t i = first; i < last; ++i) {
+      for (std::uint32_t i = begin; i < end; ++i) {
         const Real r = std::min(p.ratio[i], kMaxRatio);
         p.lambda[i] += tait(p.desc.density, p.sound_before, r) - tait(p.desc.density, p.sound, r);
       }
     // several particles at a time, as all of this lies in rows of its own
     const Real stiffness = p.desc.density * p.sound * p.sound / 7;
     const Real* ratio = p.ratio.data();
+    const Real* before = p.squares.data();
     Real *lambda = p.lambda.data(), *weight = p.next_weight.data();
-    for (std::uint32_t i = first; i < last; ++i) {
+    for (std::uint32_t i = begin; i < end; ++i) {
       const Real r = std::min(ratio[i], kMaxRatio), full = tait(stiffness, r);
       const Real less = full > 0 ? stay * lambda[i] : Real(0);
       FEDER_ASSERT(!(less > 0));
       lambda[i] = less;
-      weight[i] = std::max(Real(0), full + less) / (r * r);
+      const Real damped = clamp(damper * (r - std::min(before[i], kMaxRatio)), -full, full);
+      weight[i] = std::max(Real(0), full + less + damped) / (r * r);
     }
-    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = weight[i];
+    for (std::uint32_t i = begin; i < end; ++i) p.x[i].w = weight[i];
   });
 }
 
-// Accelerations by neighbours and by the boundary.
-void Wcsph::accelerate(FluidPool& p, StepContext& c) {
-  const Real h = h_;
+// Accelerations by neighbours and by the boundary, for a kick of h seconds. `lead`: s, for which a change of a body's
+// velocity counts for its pose where forces are found next.
+void Wcsph::accelerate(FluidPool& p, Real h, Real lead, StepContext& c) {
   SweepInput in = p.sweep_input();
   const Real density = p.desc.density, factor = -p.slope_factor / density;
   in.damping = density * p.desc.artificial_viscosity * p.sound * p.support / 2;
@@ -267,7 +297,8 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
       p.move[i].set(a);
     }
   });
-  // opposite impulses on bodies
+  // opposite impulses on bodies, once they yield
+  if (!p.dynamic_contacts.empty()) yield_bodies(p, *boundary, h, lead, c);
   for (const std::uint32_t at : p.dynamic_contacts) {
     const BoundaryContact& k = p.contacts[at];
     boundary->body_of(k).push(p.x[k.particle].vec(), -k.impulse * k.normal);
@@ -277,17 +308,22 @@ void Wcsph::accelerate(FluidPool& p, StepContext& c) {
 
 void Wcsph::move(StepContext& c) {
   each(c, [&](FluidPool& p) {
+    kick(p, kick_time(p, c), c);
     c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first; i < last; ++i) p.v[i].set(p.v[i].vec() + h_ * p.move[i].vec());
+      for (std::uint32_t i = first; i < last; ++i) p.x[i].set(p.x[i].vec() + h_ * p.v[i].vec());
     });
-    if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h_, c);
-    if (p.desc.surface_tension > 0) add_tension(p, *boundary, h_, c);
-    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first; i < last; ++i) {
-        p.x[i].set(p.x[i].vec() + h_ * p.v[i].vec());
-        p.x[i].w = 0;
-      }
-    });
+  });
+}
+
+// Changes velocities for h seconds by the accelerations in `move`, by viscosity and by tension.
+void Wcsph::kick(FluidPool& p, Real h, StepContext& c) {
+  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) p.v[i].set(p.v[i].vec() + h * p.move[i].vec());
+  });
+  if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h, c);
+  if (p.desc.surface_tension > 0) add_tension(p, *boundary, h, c);
+  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 0;
   });
 }
 

@@ -11,18 +11,22 @@ struct StillWater {
   int dimension = 2, layers = 25, iterations = 4, substeps = 4;
   double spacing = 0.0125;             // m
   double seconds = 10, calm = 2;       // s; after `calm` nobody may be fast
+  double budget = INFINITY;            // particles times solver substeps: where `seconds` would cost more, 2 s do
   double tolerance = 0;                // per cent; 0: the default
   std::string solver = "pbf", kernel;  // empty: the solver's
+  std::string integrator = "leapfrog";
 };
 
 struct StillWaterResult {
-  double top = 0;       // largest height of a particle, by H + 2 d
-  double speed = 0;     // largest speed once calm, by what is allowed: max(0.2 sqrt(g H), 2 g h of the inner substep)
-  double burst = -1;    // s, when either first went beyond; -1: never
-  double warned = -1;   // s, of the first warning
-  double noise = 0;     // m/s, largest root mean square of the speeds once calm
-  double excess = 0;    // mean over particles and the last half of the time of max(0, density ratio - 1)
-  double per_step = 0;  // inner substeps in a substep of the world, mean
+  double top = 0;         // largest height of a particle, by H + 2 d
+  double speed = 0;       // largest speed once calm, by what is allowed: max(0.2 sqrt(g H), 2 g h of the inner substep)
+  double burst = -1;      // s, when either first went beyond; -1: never
+  double warned = -1;     // s, of the first warning
+  double noise = 0;       // m/s, largest root mean square of the speeds once calm
+  double excess = 0;      // mean over particles and the last half of the time of max(0, density ratio - 1)
+  double per_step = 0;    // inner substeps in a substep of the world, mean
+  bool at_limit = false;  // they have been as many as max_substeps allows
+  std::uint64_t hash = 0;  // of the end
   bool burst_unwarned() const { return burst >= 0 && (warned < 0 || warned > burst); }
 };
 
@@ -35,7 +39,8 @@ inline StillWaterResult run_still_water(const StillWater& s) {
   const double height = s.layers * s.spacing, width = 8 * s.spacing;
   add_tank(w, vec3(static_cast<Real>(width), 0, static_cast<Real>(width)));
   FluidDesc d;
-  d.solver = s.solver, d.kernel = s.kernel, d.spacing = static_cast<Real>(s.spacing), d.iterations = s.iterations;
+  d.solver = s.solver, d.kernel = s.kernel, d.integrator = s.integrator, d.spacing = static_cast<Real>(s.spacing),
+  d.iterations = s.iterations;
   if (s.tolerance > 0) d.tolerance = static_cast<Real>(s.tolerance);
   Fluid& f = w.need<Fluid>();
   const ObjectId id = f.add_fluid(d);
@@ -49,7 +54,7 @@ inline StillWaterResult run_still_water(const StillWater& s) {
       }
   f.fill(id, points, Vec3::Zero());
   StillWaterResult r;
-  const int steps = static_cast<int>(s.seconds * 60 + 0.5);
+  int steps = static_cast<int>(s.seconds * 60 + 0.5);
   std::vector<Vec3> v;
   std::uint64_t own = 0;
   for (int k = 0; k < steps; ++k) {
@@ -67,6 +72,8 @@ inline StillWaterResult run_still_water(const StillWater& s) {
     const std::uint64_t taken = f.solver_substeps(id) - own;
     own += taken;
     const double h = desc.dt / static_cast<double>(std::max<std::uint64_t>(taken, 1));
+    r.at_limit = r.at_limit || taken >= static_cast<std::uint64_t>(s.substeps * d.max_substeps);
+    if (k == 14 && steps > 120 && static_cast<double>(own * points.size()) / 15 * steps > s.budget) steps = 120;
     r.top = std::max(r.top, top / (height + 2 * s.spacing));
     if (k >= s.calm * 60) r.noise = std::max(r.noise, std::sqrt(squares / static_cast<double>(v.size())));
     if (k >= s.calm * 60) r.speed = std::max(r.speed, speed / std::max(0.2 * std::sqrt(g * height), 2 * g * h));
@@ -80,6 +87,7 @@ inline StillWaterResult run_still_water(const StillWater& s) {
       break;
     }
   }
+  r.hash = w.hash();
   r.per_step = static_cast<double>(own) / (60 * w.time() * s.substeps);
   return r;
 }

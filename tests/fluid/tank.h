@@ -20,6 +20,7 @@ inline Catalog fluid_catalog() {
 inline WorldDesc fluid_world(int dimension = 3, int threads = 1) {
   WorldDesc d;
   d.dimension = dimension, d.threads = threads;
+  d.sleeping = false;  // it would hide what water does
   return d;
 }
 

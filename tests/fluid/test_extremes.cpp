@@ -116,6 +116,44 @@ TEST_CASE("bodies a hundred times lighter and heavier than the fluid", "[fluid][
   CHECK(y < Real(0.6));    // and is not thrown
 }
 
+TEST_CASE("bodies a hundred times lighter and heavier that start under water are not thrown", "[fluid][extreme]") {
+  const Real ratio = GENERATE(Real(0.01), Real(0.02), Real(100));
+  const bool round = GENERATE(false, true);
+  const std::string solver = any_fluid_solver();
+  CAPTURE(solver, ratio, round);
+  World w(fluid_world(2), fluid_catalog());
+  add_tank(w, vec3(Real(0.6), 1, 0));
+  FluidDesc d;
+  d.solver = solver, d.spacing = Real(0.05);
+  Fluid& f = w.need<Fluid>();
+  const ObjectId id = f.add_fluid(d);
+  const Vec3 middle = vec3(Real(0.3), Real(0.2), 0);
+  std::vector<Vec3> points;  // 0.4 m of water around it
+  for (int i = 0; i < 12; ++i)
+    for (int j = 0; j < 8; ++j) {
+      const Vec3 at = d.spacing * vec3(Real(i) + Real(0.5), Real(j) + Real(0.5), 0), off = at - middle;
+      if ((round ? length(off) : off.cwiseAbs().maxCoeff()) > Real(0.12)) points.push_back(at);
+    }
+  f.fill(id, points, Vec3::Zero());
+  BodyDesc b;
+  const ShapePtr shape = round ? make_sphere(Real(0.1)) : make_box(Real(0.2), Real(0.2), Real(0.2));
+  b.shape = shape->section(), b.density = 1000 * ratio, b.position = middle;
+  const ObjectId body = w.need<Rigid>().add_body(b);
+  double top = 0, mean = 0;  // single particles splash
+  for (int k = 0; k < static_cast<int>(90 * kShare) + 1; ++k) {
+    w.step();
+    double sum = 0;
+    for (const Vec3& x : places(w, id)) sum += static_cast<double>(x[1]);
+    mean = std::max(mean, sum / static_cast<double>(points.size()));
+    top = std::max<double>(top, w.need<Rigid>().pose(body).position[1]);
+  }
+  CHECK(w.is_finite());
+  CHECK(f.particle_count(id) == points.size());
+  CHECK(top < 1);  // a burst throws them tens of metres
+  CHECK(mean < 0.35);
+  if (kFull) CHECK((w.need<Rigid>().pose(body).position[1] > Real(0.3)) == (ratio < 1));
+}
+
 TEST_CASE("water filled into water, into a body and between walls that do not fit does not burst", "[fluid][extreme]") {
   const std::string solver = any_fluid_solver();
   World w(fluid_world(2), fluid_catalog());

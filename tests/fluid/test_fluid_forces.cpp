@@ -207,12 +207,9 @@ TEST_CASE("fluid under forces in a tank: momentum is accounted for, threads and 
 }
 
 TEST_CASE("a column under a force has the pressure of its weight", "[fluid][forces]") {
-  // as gravity does it: the same acceleration as a force, in a world without gravity. Explicit solvers are as stiff as
-  // gravity and speeds ask for, and know nothing of such a force: the limits in tests/README.md say so
+  // as gravity does it: the same acceleration as a force, in a world without gravity
   const std::string solver = any_fluid_solver();
   CAPTURE(solver);
-  Arena arena("test");
-  if (!find_variant(fluid_solvers(), solver, "fluid solver").make(arena, Params())->iterates()) return;
   WorldDesc desc = fluid_world(2);
   desc.gravity = Vec3::Zero();
   World w(desc, fluid_catalog());
@@ -230,6 +227,72 @@ TEST_CASE("a column under a force has the pressure of its weight", "[fluid][forc
   REQUIRE(w.query<Fluid>()->height_at(id, Real(0.25), 0, y));
   CHECK(y == Approx(0.5).margin(0.05));
   CHECK(pressure == Approx(1000 * 9.81 * 0.25).epsilon(0.15));
+}
+
+namespace {
+
+double compression(World& w, ObjectId id) {
+  double mean = 0, most = 0;
+  w.query<Fluid>()->density_error(id, mean, most);
+  return mean;
+}
+
+bool warns_of_budget(World& w, double seconds) {
+  bool said = false;
+  for (int k = 0; k < static_cast<int>(seconds / w.desc().dt); ++k) {
+    w.step();
+    for (const Event& e : w.events().list())
+      said = said || (e.kind == EventKind::warning && w.events().warning_code(e) == "fluid_budget");
+  }
+  return said;
+}
+
+}  // namespace
+
+TEST_CASE("a fluid is as stiff as the forces on it ask for, or says that it is not", "[fluid][forces]") {
+  const std::string solver = any_fluid_solver(), kind = GENERATE("field", "script", "drop");
+  CAPTURE(solver, kind);
+  World w(weightless(fluid_world(2)), fluid_catalog());
+  FluidDesc d = water(solver);
+  d.spacing = Real(0.025);
+  const bool drop = kind == "drop";
+  const Vec3 size = vec3(Real(0.5), Real(0.5), 0);
+  if (!drop) add_tank(w, size);
+  const ObjectId id = add_water(w, d, size, drop ? Vec3(-size / 2) : Vec3(Vec3::Zero()));
+  Fluid& f = w.need<Fluid>();
+  Params p;
+  const double a = 200;  // m/s^2, twenty times gravity; of a drop at its rim
+  p.set("acceleration", std::vector<double>{0, -a, 0});
+  if (kind == "field") act(w, "gravity", p, id);
+  if (kind == "drop") {
+    Params spring;
+    spring.set("stiffness", static_cast<double>(f.particle_mass(id)) * a / 0.25);
+    act(w, "spring", spring, id);
+  }
+  if (kind == "script") {
+    const std::vector<Vec3> forces(f.particle_count(id), vec3(0, static_cast<Real>(-a) * f.particle_mass(id), 0));
+    f.set_script_forces(id, forces);
+  }
+  const bool said = warns_of_budget(w, 1.5 * kShare);
+  CHECK(w.is_finite());
+  if (!kFull) return;
+  CHECK_FALSE(said);
+  CHECK(compression(w, id) < 0.01);
+}
+
+TEST_CASE("a fluid whose substeps do not carry the forces on it says so", "[fluid][forces]") {
+  const std::string solver = any_fluid_solver();
+  CAPTURE(solver);
+  World w(weightless(fluid_world(2)), fluid_catalog());
+  add_tank(w, vec3(Real(0.5), Real(0.5), 0));
+  FluidDesc d = water(solver);
+  d.spacing = Real(0.025), d.max_substeps = 1;
+  const ObjectId id = add_water(w, d, vec3(Real(0.5), Real(0.5), 0));
+  Params p;
+  p.set("acceleration", std::vector<double>{0, -2000, 0});
+  act(w, "gravity", p, id);
+  CHECK(warns_of_budget(w, 0.1));
+  CHECK(w.is_finite());
 }
 
 TEST_CASE("forces of scripts are kept by particle", "[fluid][forces]") {

@@ -1,9 +1,9 @@
-// Still water stays still: columns eight spacings wide over layers, spacing, iterations and substeps. No particle
-// above H + 2 d; after 2 s nobody faster than 0.2 sqrt(g H), or than what gravity gives in two inner substeps; no
-// warning where nobody chose extremes; more iterations never leave more compression. The whole map runs with
-// scripts/test --all.
+// Still water of every solver stays still: columns eight spacings wide over layers, spacing, iterations (of those that
+// have them) and substeps. No particle above H + 2 d; after 2 s nobody faster than 0.2 sqrt(g H), or than what gravity
+// gives in two inner substeps; no warning where nobody chose extremes; more iterations never leave more compression.
+// The whole map runs with scripts/test --all.
+#include "fluid/any_solver.h"
 #include "fluid/still_water.h"
-#include "support/catch.h"
 
 using namespace feder;
 
@@ -14,6 +14,8 @@ struct Cell {
   int dimension, layers, iterations, substeps;
   double spacing;
 };
+
+constexpr double kSeconds = 2.5;  // of a cell: the last half a second counts for its speed
 
 const Cell kCells[] = {
     {"8 layers of 1 mm", 2, 8, 4, 4, 0.001},
@@ -42,24 +44,44 @@ const Cell kCells[] = {
     {"in space, a glass: 20 layers of 6 mm", 3, 20, 4, 4, 0.006},
 };
 
-StillWaterResult still(int dimension, int layers, double spacing, int iterations, int substeps, double seconds,
-                       double calm = 2) {
+StillWater water(const std::string& solver, int dimension, int layers, double spacing, int iterations, int substeps,
+                 double seconds, double calm = 2) {
   StillWater s;
-  s.dimension = dimension, s.layers = layers, s.iterations = iterations, s.substeps = substeps;
+  s.solver = solver, s.dimension = dimension, s.layers = layers, s.iterations = iterations, s.substeps = substeps;
   s.spacing = spacing, s.seconds = seconds, s.calm = calm;
-  return run_still_water(s);
+  return s;
+}
+
+// Do the iterations of the description change anything?
+bool counts_iterations(const std::string& solver) {
+  StillWater s = water(solver, 2, 8, 0.05, 1, 4, 0.1);
+  const StillWaterResult one = run_still_water(s);
+  s.iterations = 8;
+  return run_still_water(s).hash != one.hash;
+}
+
+// The same column with another count of iterations is in the table, and stands for those that count none.
+bool repeats(const Cell& cell) {
+  return cell.iterations != 4 && std::any_of(std::begin(kCells), std::end(kCells), [&cell](const Cell& c) {
+           return c.iterations == 4 && c.dimension == cell.dimension && c.layers == cell.layers &&
+                  c.substeps == cell.substeps && c.spacing == cell.spacing;
+         });
 }
 
 }  // namespace
 
 TEST_CASE("still water stays still", "[fluid][still]") {
+  const std::string solver = any_fluid_solver();
+  const bool iterates = counts_iterations(solver);
   for (const Cell& c : kCells) {
+    if (!iterates && repeats(c)) continue;
     if (!kLarge && (c.dimension == 3 || c.layers > 25 || c.iterations > 8)) continue;
     if (kAsserts && (c.layers == 50 || c.iterations == 32)) continue;  // of `--all`
-    const StillWaterResult r = still(c.dimension, c.layers, c.spacing, c.iterations, c.substeps, 2.5 * kShare);
-    CAPTURE(c.name, r.top, r.speed, r.burst, r.warned, r.excess, r.per_step);
+    const StillWaterResult r =
+        run_still_water(water(solver, c.dimension, c.layers, c.spacing, c.iterations, c.substeps, kSeconds * kShare));
+    CAPTURE(solver, c.name, r.top, r.speed, r.noise, r.burst, r.warned, r.excess, r.per_step);
     CHECK(r.burst < 0);
-    CHECK(r.warned < 0);
+    CHECK((r.warned < 0 || r.at_limit));  // solvers of small steps have few in a large one
   }
 }
 
@@ -120,7 +142,7 @@ TEST_CASE("water around a solid comes to rest", "[fluid][still]") {
 TEST_CASE("more iterations never leave more compression", "[fluid][still]") {
   double last = 1;
   for (int n = 1; n <= (kLarge ? 32 : 8); n *= 2) {
-    const StillWaterResult r = still(2, 25, 0.05, n, 4, 1.5 * kShare);
+    const StillWaterResult r = run_still_water(water("pbf", 2, 25, 0.05, n, 4, 1.5 * kShare));
     CAPTURE(n, r.excess, last, r.per_step);
     CHECK(r.burst < 0);
     if (kFull) CHECK(r.excess <= 1.1 * last);
@@ -130,7 +152,7 @@ TEST_CASE("more iterations never leave more compression", "[fluid][still]") {
 }
 
 TEST_CASE("pbf says before it bursts that its steps do not carry the column", "[fluid][still]") {
-  const StillWaterResult r = still(2, 100, 0.001, 1, 1, 0.05);
+  const StillWaterResult r = run_still_water(water("pbf", 2, 100, 0.001, 1, 1, 0.05));
   CHECK(r.warned > 0);
   CHECK_FALSE(r.burst_unwarned());
 }
@@ -148,17 +170,27 @@ double calm_after(int layers, double spacing, int substeps, int iterations) {
   return 2;
 }
 
+// Ten seconds each, or two where they would cost more than 1e9 particles times solver substeps.
+StillWaterResult in_map(StillWater s) {
+  s.budget = 1e9;
+  return run_still_water(s);
+}
+
 void map_of_still_water(int layers) {
+  const std::string solver = any_fluid_solver();
+  const bool iterates = counts_iterations(solver);
   for (const double spacing : {0.001, 0.006, 0.0125, 0.05, 0.1})
     for (const int substeps : {1, 4, 16})
       for (const int iterations : {1, 4, 8, 32}) {
-        const double calm = calm_after(layers, spacing, substeps, iterations);
-        const StillWaterResult r = still(2, layers, spacing, iterations, substeps, 10, calm);
-        CAPTURE(layers, spacing, substeps, iterations, r.top, r.speed, r.burst, r.warned, r.excess, r.per_step);
+        if (!iterates && iterations != 4) continue;
+        const double calm = iterates ? calm_after(layers, spacing, substeps, iterations) : 2;
+        const StillWaterResult r = in_map(water(solver, 2, layers, spacing, iterations, substeps, 10, calm));
+        CAPTURE(solver, layers, spacing, substeps, iterations);
+        CAPTURE(r.top, r.speed, r.noise, r.burst, r.warned, r.excess, r.per_step);
         CHECK_FALSE(r.burst_unwarned());
-        if (iterations == 4 && substeps == 4 && layers <= 60 && spacing >= 0.005) CHECK(r.warned < 0);
-        if (iterations == 1 || r.burst >= 0) continue;
-        const StillWaterResult half = still(2, layers, spacing, iterations / 2, substeps, 2);
+        if (iterations == 4 && substeps == 4 && layers <= 60 && spacing >= 0.005) CHECK((r.warned < 0 || r.at_limit));
+        if (!iterates || iterations == 1 || r.burst >= 0) continue;
+        const StillWaterResult half = run_still_water(water(solver, 2, layers, spacing, iterations / 2, substeps, 2));
         CAPTURE(half.excess);
         if (half.burst < 0) CHECK(r.excess <= 1.1 * half.excess + 1e-5);  // rounding, which is what 32 leave
       }
@@ -173,11 +205,12 @@ TEST_CASE("the map of still water, 100 layers", "[fluid][.][map100]") { map_of_s
 TEST_CASE("the map of still water, 200 layers", "[fluid][.][map200]") { map_of_still_water(200); }
 
 TEST_CASE("the map of still water in space", "[fluid][.][map3d]") {
+  const std::string solver = any_fluid_solver();
   for (const int layers : {8, 25, 50})
     for (const double spacing : {0.006, 0.0125, 0.05, 0.1}) {
-      const StillWaterResult r = still(3, layers, spacing, 4, 4, 10);
-      CAPTURE(layers, spacing, r.top, r.speed, r.burst, r.warned, r.excess, r.per_step);
+      const StillWaterResult r = in_map(water(solver, 3, layers, spacing, 4, 4, 10));
+      CAPTURE(solver, layers, spacing, r.top, r.speed, r.noise, r.burst, r.warned, r.excess, r.per_step);
       CHECK(r.burst < 0);
-      CHECK(r.warned < 0);
+      CHECK((r.warned < 0 || r.at_limit));
     }
 }

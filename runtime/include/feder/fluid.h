@@ -40,13 +40,14 @@ struct FluidDesc {
   std::string solver = default_fluid_solver();
   std::string kernel;  // empty: wendland for dfsph, cubic for others
   std::string neighbors = default_fluid_neighbors();
-  Real support = 0;                       // of the kernel, in spacings; 0: what the kernel proposes
-  Real stiffness = 0;                     // bulk modulus, Pa; 0: as stiff as the solver can make it
-  int iterations = 4;                     // pbf, per substep
-  Real tolerance = Real(0.1);             // dfsph, mean error of the density, per cent
-  Real compression = 0;                   // wanted: wcsph at the largest pressure, pbf mean; 0: wcsph 0.01, pbf 0.05
-  Real artificial_viscosity = Real(0.1);  // wcsph, alpha of Monaghan
-  int max_substeps = 60;                  // largest number of solver substeps in a substep of the world
+  Real support = 0;                     // of the kernel, in spacings; 0: what the kernel proposes
+  Real stiffness = 0;                   // bulk modulus, Pa; 0: as stiff as the solver can make it
+  int iterations = 4;                   // pbf, per substep
+  Real tolerance = Real(0.1);           // dfsph, mean error of the density, per cent
+  Real compression = 0;                 // wanted: wcsph at the largest pressure, pbf mean; 0: wcsph 0.01, pbf 0.05
+  Real artificial_viscosity = 0;        // wcsph, alpha of Monaghan
+  std::string integrator = "leapfrog";  // wcsph: or "symplectic_euler"
+  int max_substeps = 60;                // largest number of solver substeps in a substep of the world
   std::size_t max_particles = 1000000;
   Real gravity_scale = 1;
   Real kill_height = -kInfinity;  // m; particles below it are removed after each step
@@ -58,7 +59,7 @@ struct FluidDesc {
     f(d.name), f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.wall_slip), f(d.surface_tension), f(d.solver),
         f(d.kernel);
     f(d.neighbors), f(d.support), f(d.stiffness), f(d.iterations), f(d.tolerance), f(d.compression),
-        f(d.artificial_viscosity);
+        f(d.artificial_viscosity), f(d.integrator);
     f(d.max_substeps), f(d.max_particles), f(d.gravity_scale), f(d.kill_height), f(d.group), f(d.mask);
   }
 };
