@@ -32,11 +32,10 @@ namespace {
 
 constexpr Real kCflTravel = Real(0.8);  // spacings that particles or bodies move in a solver substep
 constexpr int kMostIterations = 100;    // of a solve
-// Growth of the density that a solve may leave in a substep, over the tolerance: what is left of it is noise, which
-// calm water shows and a splash does not. Least and most, and over the way of a typical particle in a substep in
-// spacings.
-constexpr double kVelocityTolerance[2] = {0.05, 1}, kToleranceByTravel = 12;
-constexpr double kMostGrowth = 0.0005;      // of them, but for the least: more of it keeps itself alive
+// Growth of the density that a solve may leave in a substep: what is left of it is noise, which calm water shows and a
+// splash does not. A share of the tolerance at least, and of the way of a typical particle in spacings, up to the
+// tolerance and kMostGrowth.
+constexpr double kLeastGrowth = 0.05, kGrowthByTravel = 0.012, kMostGrowth = 0.001;
 constexpr Real kLivelyTravel = Real(0.04);  // in a substep, in spacings, of a typical particle that hears no noise
 constexpr Real kCarriedLoad = 1;  // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
 constexpr Real kMostRebound = Real(0.01);     // of the density ratio, that velocities take back in a substep
@@ -149,11 +148,11 @@ void Dfsph::find_compliance(FluidPool& p) const {
   p.compliance = 1 / (h_ * h_ * p.mass * sound2);
 }
 
-// Of the growth of the density in a substep.
+// Of the growth of the density in a substep. Where there is no room, noise would feed on what is left.
 double Dfsph::velocity_tolerance(const FluidPool& p) const {
-  const double whole = static_cast<double>(tolerance(p)), least = kVelocityTolerance[0] * whole;
-  const double most = std::max(least, std::min(kVelocityTolerance[1] * whole, kMostGrowth));
-  return std::clamp(kToleranceByTravel * static_cast<double>(travel(p)) * whole, least, most);
+  const double whole = static_cast<double>(tolerance(p)), least = kLeastGrowth * whole;
+  if (p.too_dense > 0) return least;
+  return std::clamp(kGrowthByTravel * static_cast<double>(travel(p)), least, std::max(least, std::min(whole, kMostGrowth)));
 }
 
 // Lists the pools of the group in the system; the tolerance of the strictest.
