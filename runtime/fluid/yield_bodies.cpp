@@ -19,13 +19,13 @@ constexpr int kUnknowns = 6;
 // and the body is left alone.
 constexpr double kExplicitTrace = 1;
 
-struct Springs {
+struct YieldSystem {
   double a[kUnknowns][kUnknowns] = {}, b[kUnknowns] = {};  // a: first sum J^T k J, then I + h lead M^-1 of it
   bool pressed = false;
 };
 
 // Gauss with pivots; the solution replaces b.
-void solve_six(Springs& s) {
+void solve_six(YieldSystem& s) {
   for (int k = 0; k < kUnknowns; ++k) {
     int best = k;
     for (int r = k + 1; r < kUnknowns; ++r)
@@ -55,14 +55,14 @@ void divide_by_mass(const BoundaryBody& body, double* v) {
   std::copy(out, out + kUnknowns, v);
 }
 
-struct SpringRow {
+struct ContactRow {
   double j[kUnknowns];
   double stiffness;  // N/m
 };
 
-SpringRow row_of(const FluidPool& p, const BoundaryBody& body, const BoundaryContact& k) {
+ContactRow row_of(const FluidPool& p, const BoundaryBody& body, const BoundaryContact& k) {
   const Vec3 x = p.x[k.particle].vec(), turn = cross(x - body.center, k.normal);
-  SpringRow row;
+  ContactRow row;
   for (int n = 0; n < 3; ++n) row.j[n] = static_cast<double>(k.normal[n]), row.j[n + 3] = static_cast<double>(turn[n]);
   const double slope = static_cast<double>(p.table->at(k.distance(x) / p.support).slope / p.support);
   const double sound = static_cast<double>(p.sound);
@@ -76,13 +76,13 @@ void yield_bodies(FluidPool& p, const Boundary& boundary, Real h, Real lead, Ste
   FEDER_ASSERT(h > 0 && lead >= h);
   const Scratch::Frame frame(*c.scratch);
   const std::size_t bodies = boundary.bodies.size();
-  Springs* systems = c.scratch->take<Springs>(bodies);
-  for (std::size_t b = 0; b < bodies; ++b) systems[b] = Springs();
+  YieldSystem* systems = c.scratch->take<YieldSystem>(bodies);
+  for (std::size_t b = 0; b < bodies; ++b) systems[b] = YieldSystem();
   // springs and pushes
   for (const std::uint32_t at : p.dynamic_contacts) {
     const BoundaryContact& k = p.contacts[at];
-    Springs& s = systems[boundary.shapes[k.shape].body];
-    const SpringRow row = row_of(p, boundary.body_of(k), k);
+    YieldSystem& s = systems[boundary.shapes[k.shape].body];
+    const ContactRow row = row_of(p, boundary.body_of(k), k);
     s.pressed = s.pressed || k.impulse > 0;
     for (int n = 0; n < kUnknowns; ++n) {
       s.b[n] -= static_cast<double>(k.impulse) * row.j[n];
@@ -92,7 +92,7 @@ void yield_bodies(FluidPool& p, const Boundary& boundary, Real h, Real lead, Ste
   // how the bodies yield
   const double scale = static_cast<double>(h) * static_cast<double>(lead);
   for (std::size_t b = 0; b < bodies; ++b) {
-    Springs& s = systems[b];
+    YieldSystem& s = systems[b];
     if (!s.pressed) continue;
     divide_by_mass(boundary.bodies[b], s.b);
     for (int n = 0; n < kUnknowns; ++n) {
@@ -109,9 +109,9 @@ void yield_bodies(FluidPool& p, const Boundary& boundary, Real h, Real lead, Ste
   // what is left of the pushes
   for (const std::uint32_t at : p.dynamic_contacts) {
     BoundaryContact& k = p.contacts[at];
-    const Springs& s = systems[boundary.shapes[k.shape].body];
+    const YieldSystem& s = systems[boundary.shapes[k.shape].body];
     if (!s.pressed) continue;
-    const SpringRow row = row_of(p, boundary.body_of(k), k);
+    const ContactRow row = row_of(p, boundary.body_of(k), k);
     double change = 0;
     for (int n = 0; n < kUnknowns; ++n) change += row.j[n] * s.b[n];
     const Real by = static_cast<Real>(scale * row.stiffness * change);
