@@ -152,7 +152,8 @@ void Dfsph::find_compliance(FluidPool& p) const {
 double Dfsph::velocity_tolerance(const FluidPool& p) const {
   const double whole = static_cast<double>(tolerance(p)), least = kLeastGrowth * whole;
   if (p.too_dense > 0) return least;
-  return std::clamp(kGrowthByTravel * static_cast<double>(travel(p)), least, std::max(least, std::min(whole, kMostGrowth)));
+  return std::clamp(kGrowthByTravel * static_cast<double>(travel(p)), least,
+                    std::max(least, std::min(whole, kMostGrowth)));
 }
 
 // Lists the pools of the group in the system; the tolerance of the strictest.
