@@ -66,7 +66,7 @@ Catalog with_thief() {
 
 // A ball falls into a small tank.
 struct Splash {
-  explicit Splash(const std::string& solver) : world(WorldDesc{}, with_thief()), thief(world.need<Thief>()) {
+  explicit Splash(const std::string& solver) : world(waking(), with_thief()), thief(world.need<Thief>()) {
     const auto wall = [&](const Vec3& n, Real at) {
       BodyDesc b;
       b.type = BodyType::fixed, b.shape = make_plane(n, at);
@@ -81,6 +81,11 @@ struct Splash {
     BodyDesc b;
     b.shape = make_sphere(Real(0.08)), b.density = 600, b.position = Vec3(0, Real(0.35), 0);
     ball = world.need<Rigid>().add_body(b);
+  }
+  static WorldDesc waking() {
+    WorldDesc d;
+    d.sleeping = false;
+    return d;
   }
   Fluid& fluid() { return world.need<Fluid>(); }
   World world;
