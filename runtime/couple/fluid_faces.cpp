@@ -73,7 +73,7 @@ void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
     FluidPool& p = fluid.pool_at(n);
     if (p.count == 0 || p.frozen) continue;
     if (c.substep == 0 && near_box(p, c)) p.faces_near = c.step + 1;
-    if (p.asleep) continue;
+    if (p.asleep && p.faces_near != c.step + 1) continue;
     p.keep_origins();
     const bool first = p.screened != number;  // of the couplings that screen in this substep
     FEDER_ASSERT(p.screened <= number);

@@ -12,6 +12,8 @@
 //    counted as fluid;
 //  - boundaries are images of the fluid (images.h), with their exact gradients;
 //  - pressure compresses it, by half its tolerance at the bottom of a column;
+//  - what a solve may leave grows with the typical speed of the fluid: less than that makes noise, of which calm water
+//    must have none (the error of the density, which the next substep takes back, stays below the tolerance);
 //  - the shortest waves of the velocities are damped under gravity: noise, which pressure would keep;
 //  - conjugate gradients with bounds (pressure_system.h) in place of Jacobi steps.
 // Bodies are part of the system: their masses are in it, and they move with every iteration.

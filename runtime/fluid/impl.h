@@ -1,5 +1,6 @@
 // The parts of the fluid system that its files share. Private to the module.
 #pragma once
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -156,6 +157,15 @@ struct Fluid::Impl {
   // sample.cpp, for queries at the present positions. Pairs of at most about `most` particles, evenly taken.
   PairCount pairs_of(FluidPool& p, std::uint32_t most = kPairSample);
   static constexpr std::uint32_t kPairSample = 4096;  // of residuals, which are asked often
+  // The next step goes on from the density ratios of the last substep, however often queries find them anew.
+  struct KeptRatios {
+    explicit KeptRatios(FluidPool& pool) : p(pool), ratio(pool.ratio.begin(), pool.ratio.begin() + pool.count) {}
+    ~KeptRatios() { std::copy(ratio.begin(), ratio.end(), p.ratio.begin()); }
+    KeptRatios(const KeptRatios&) = delete;
+    KeptRatios& operator=(const KeptRatios&) = delete;
+    FluidPool& p;
+    std::vector<Real> ratio;
+  };
   void refresh_near(FluidPool& p, const Vec3& at, const std::vector<std::uint32_t>& wanted);
   void refresh(FluidPool& p);  // lists, contacts and density ratios at the present positions, for queries
   std::vector<std::uint32_t> by_id(const FluidPool& p) const;

@@ -39,12 +39,14 @@ void Fluid::velocities(ObjectId id, std::vector<Vec3>& out) const {
 
 void Fluid::densities(ObjectId id, std::vector<Real>& out) {
   FluidPool& p = impl_->pool(id);
+  const Impl::KeptRatios kept(p);
   impl_->refresh(p);
   impl_->list_by_id(p, out, [&](std::uint32_t i) { return p.ratio[i]; });
 }
 
 void Fluid::pressures(ObjectId id, std::vector<Real>& out) {
   FluidPool& p = impl_->pool(id);
+  const Impl::KeptRatios kept(p);
   impl_->refresh(p);
   const FluidSolver& s = impl_->solver_of(p);
   impl_->list_by_id(p, out, [&](std::uint32_t i) { return s.pressure(p, i); });
@@ -126,6 +128,7 @@ void Fluid::surface(ObjectId id, std::vector<Vec3>& points, std::vector<Vec3>& n
   constexpr Real kSurface =
       Real(0.45);  // least gradient of the colour field times support; flat surfaces have about 1.3
   FluidPool& p = impl_->pool(id);
+  const Impl::KeptRatios kept(p);
   impl_->refresh(p);
   points.clear(), normals.clear();
   if (p.count == 0) return;

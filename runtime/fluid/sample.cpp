@@ -143,6 +143,7 @@ FluidSample Fluid::sample(ObjectId id, const Vec3& point) {
   std::vector<std::uint32_t> near = particles_near(p, at, p.support);
   std::erase_if(near, [&](std::uint32_t i) { return !kernel.holds(i) || !(kernel.weight(i) > 0); });
   if (near.empty()) return out;
+  const Impl::KeptRatios kept(p);
   impl_->refresh_near(p, at, near);
   const FluidSolver& solver = impl_->solver_of(p);
   // means

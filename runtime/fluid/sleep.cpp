@@ -57,6 +57,10 @@ void Fluid::Impl::wake_disturbed(StepContext& c) {
     for (std::uint32_t k = 0; k < p.contact_first[p.count] && !by; ++k)
       if (stirs(boundary.body_of(p.contacts[k]))) by = boundary.body_of(p.contacts[k]).object;
     wake(p, WakeCause::contact, by);
+    // couplings with faces have passed it over, as none was near
+    if (p.origin.empty() || p.faces_near == c.step + 1) continue;
+    p.copy(p.x, p.origin, *c.jobs);
+    std::fill(p.screen.begin(), p.screen.begin() + p.count, Real(0));
   }
 }
 

@@ -189,7 +189,7 @@ std::string replay_difference(std::string bytes, Catalog catalog) {
     const Recording recording(std::move(bytes));
     for (std::size_t k = 0; k < recording.world_count(); ++k) {
       Replay replay(recording, k, catalog);
-      while (replay.step()) {
+      while (replay.step() && replay.same()) {
       }
       if (!replay.same())
         return "the replay of world " + std::to_string(k + 1) + " is another from step " +

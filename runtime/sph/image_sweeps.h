@@ -62,8 +62,9 @@ struct ImagesOf {
     return all_lanes(a[0]) * b.x + all_lanes(a[1]) * b.y + all_lanes(a[2]) * b.z > all_lanes(in.opposite);
   }
 
-  // Motion of the solid of contact `face` by the images of that slope: what it adds at i, at the others, and the moment
-  // of the latter about i. The other halves of the offsets are `mine` times the normal there, and `theirs` the others'.
+  // What a motion of the solid at `face` does to the density of i by images of these slopes: each image moves by twice
+  // the motion along the normal at i, weighed with the distance of the other, and along that at the other, weighed with
+  // the distance of i. The latter has its moment about i.
   [[gnu::always_inline]] static void push(const ImageInput& in, unsigned face, const Four& theirs, Lanes slope,
                                           const Pair& p) {
     const WideReal* a = in.faces + 4ul * face;

@@ -23,6 +23,23 @@ TEST_CASE("a fluid is made, filled and asked", "[lua][fluid]") {
   )") == "fluid\twater\t0\n60\t60\n60.000 1.000\n180\t0.05 0.05 0.05\ntrue\n2\ntrue\ttrue\nnil\ttrue\n");
 }
 
+TEST_CASE("calm water sleeps, says so, and wakes", "[lua][fluid]") {
+  CHECK(output_of(R"(
+    for _, p in ipairs { { 0, 1, 0, 0 }, { 1, 0, 0, 0 }, { -1, 0, 0, -0.4 }, { 0, 0, 1, 0 }, { 0, 0, -1, -0.4 } } do
+      world:body { type = "static", shape = feder.plane(table.unpack(p)) }
+    end
+    local water = world:fluid { name = "water", spacing = 0.1 }
+    water:fill { box = { { 0, 0, 0 }, { 0.4, 0.3, 0.4 } } }
+    world:on("sleep", function(e) print("sleeps", e.object:name()) end)
+    world:on("wake", function(e) print("wakes", e.object:name(), e.cause) end)
+    print(water:awake())
+    world:step(480)
+    print(water:awake())
+    print(water:wake() == water, water:awake())
+    world:step()
+  )") == "true\nsleeps\twater\nfalse\ntrue\ttrue\nwakes\twater\tscript\n");
+}
+
 TEST_CASE("particles below kill_height are gone", "[lua][fluid]") {
   CHECK(output_of(R"(
     local rain = world:fluid{ spacing = 0.1, kill_height = -0.5 }
