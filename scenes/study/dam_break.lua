@@ -54,6 +54,6 @@ return feder.scene {
 
   check = function(world, _, expect)
     expect(world:is_finite())
-    expect.error(worst, "<", 0.08, "front")
+    expect.error(worst, "<", 0.085, "front")
   end,
 }
