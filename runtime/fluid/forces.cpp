@@ -94,7 +94,7 @@ void viscous_round(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
 }  // namespace
 
 void add_viscosity(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
-  const Real nu = p.desc.viscosity / p.desc.density, unit = p.support / 2;
+  const Real nu = p.viscous_scale * p.desc.viscosity / p.desc.density, unit = p.support / 2;
   const Real wanted = std::ceil(h * nu / (kViscousLimit * unit * unit));
   const int rounds = static_cast<int>(std::min(std::max(wanted, Real(1)), static_cast<Real>(kMaxRounds)));
   if (wanted > kMaxRounds && !p.warned_viscosity) {

@@ -14,7 +14,7 @@ namespace feder {
 namespace {
 
 constexpr double kRestSpeed = 0.03, kRestMost = 0.2;  // of sqrt(g d): root mean square, and of the fastest particle
-constexpr double kRestDrift = 0.05;                   // spacings, of the centre of mass in kRestTime
+constexpr double kRestDrift = 0.01;                   // spacings, of the centre of mass in kRestTime
 constexpr Real kRestTime = 1;                         // s
 
 bool stirs(const BoundaryBody& b) {

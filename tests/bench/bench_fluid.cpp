@@ -52,14 +52,37 @@ double plain_density(const std::vector<Vec3>& x, Real spacing, double& pairs) {
   return least / static_cast<double>(x.size()) * 1e6;
 }
 
+// The column in its tank.
+struct Collapse {
+  Collapse(const char* solver, Real spacing, int substeps) : w(world_desc(substeps), fluid_catalog()) {
+    add_tank(w, vec3(4, 0, Real(0.5)));
+    FluidDesc d;
+    d.solver = solver, d.spacing = spacing, d.max_substeps = 1000;
+    id = add_water(w, d, vec3(1, 1, Real(0.5)));
+  }
+  static WorldDesc world_desc(int substeps) {
+    WorldDesc d = fluid_world(3, 1);
+    d.dt = Real(1) / 60, d.substeps = substeps;
+    return d;
+  }
+  // The rows of the plan that take more than half a per cent of all steps.
+  void print_rows() {
+    double total = 0;
+    for (const PlanNode& row : w.plan().nodes())
+      if (!row.is_loop) total += row.counter.total_nanoseconds();
+    for (const PlanNode& row : w.plan().nodes()) {
+      const double share = row.counter.total_nanoseconds() / total;
+      if (!row.is_loop && share > 0.005) std::printf("  %5.1f %%  %s / %s\n", 100 * share, row.system, row.name);
+    }
+  }
+  World w;
+  ObjectId id;
+};
+
 void bench(const char* solver, Real spacing, int steps) {
-  WorldDesc desc = fluid_world(3, 1);
-  desc.dt = Real(1) / 60, desc.substeps = solver[0] == 'p' ? 2 : 1;
-  World w(desc, fluid_catalog());
-  add_tank(w, vec3(4, 0, Real(0.5)));
-  FluidDesc d;
-  d.solver = solver, d.spacing = spacing, d.max_substeps = 1000;
-  const ObjectId id = add_water(w, d, vec3(1, 1, Real(0.5)));
+  Collapse c(solver, spacing, solver[0] == 'p' ? 2 : 1);
+  World& w = c.w;
+  const ObjectId id = c.id;
   Fluid& f = w.need<Fluid>();
   for (int k = 0; k < 12; ++k) w.step();
   const double count = static_cast<double>(f.particle_count(id));
@@ -75,23 +98,13 @@ void bench(const char* solver, Real spacing, int steps) {
   std::printf(
       "%s: %.0f particles, %.1f neighbours: %.3f us per particle and step = %.1f plain density sums of %.3f us\n",
       solver, count, pairs, least, least / plain, plain);
-  double total = 0;
-  for (const PlanNode& row : w.plan().nodes())
-    if (!row.is_loop) total += row.counter.total_nanoseconds();
-  for (const PlanNode& row : w.plan().nodes())
-    if (static_cast<double>(row.counter.nanoseconds) > 0.005 * total)
-      std::printf("  %5.1f %%  %s / %s\n", 100 * static_cast<double>(row.counter.nanoseconds) / total, row.system,
-                  row.name);
+  c.print_rows();
 }
 
 void second(const char* solver, Real spacing, int substeps) {
-  WorldDesc desc = fluid_world(3, 1);
-  desc.dt = Real(1) / 60, desc.substeps = substeps;
-  World w(desc, fluid_catalog());
-  add_tank(w, vec3(4, 0, Real(0.5)));
-  FluidDesc d;
-  d.solver = solver, d.spacing = spacing, d.max_substeps = 1000;
-  const ObjectId id = add_water(w, d, vec3(1, 1, Real(0.5)));
+  Collapse c(solver, spacing, substeps);
+  World& w = c.w;
+  const ObjectId id = c.id;
   Fluid& f = w.need<Fluid>();
   double error = 0, taken = 0;
   for (int k = 0; k < 60; ++k) {
@@ -108,13 +121,7 @@ void second(const char* solver, Real spacing, int substeps) {
       "%s: %.0f particles, a second in %.2f s: %.0f substeps, %.1f iterations in each, mean error %.3f %%, "
       "%.3f us per particle and substep\n",
       solver, count, taken, steps, iterations / steps, 100 * error, 1e6 * taken / count / steps);
-  double total = 0;
-  for (const PlanNode& row : w.plan().nodes())
-    if (!row.is_loop) total += row.counter.total_nanoseconds();
-  for (const PlanNode& row : w.plan().nodes())
-    if (!row.is_loop && static_cast<double>(row.counter.total_nanoseconds()) > 0.005 * total)
-      std::printf("  %5.1f %%  %s / %s\n", 100 * static_cast<double>(row.counter.total_nanoseconds()) / total,
-                  row.system, row.name);
+  c.print_rows();
 }
 
 }  // namespace

@@ -14,33 +14,46 @@ using Pins = std::vector<std::string>;
 const Pins kBorder = {"top", "bottom", "left", "right"},
            kCorners = {"top_left", "top_right", "bottom_left", "bottom_right"}, kFree = {};
 
+// A sheet at the origin and a fluid without particles, at small steps.
+struct SheetAndFluid {
+  SheetAndFluid(const std::string& solver, std::uint32_t n, Real size, const Pins& pins, Real area_density)
+      : w(desc(), mixed_catalog()), cloth(w.need<Cloth>()), fluid(w.need<Fluid>()) {
+    ClothDesc sheet = square(n, size, false);
+    sheet.pin_names = pins, sheet.area_density = area_density, sheet.self_collision = true;
+    cid = cloth.add_cloth(sheet);
+    water.solver = solver;
+    id = fluid.add_fluid(water);
+  }
+  static WorldDesc desc() {
+    WorldDesc d;
+    d.dt = Real(1) / 240, d.substeps = 1;
+    return d;
+  }
+  void step() {
+    w.step();
+    sides.follow(cloth, cid, fluid, id);
+  }
+  World w;
+  Cloth& cloth;
+  Fluid& fluid;
+  FluidDesc water;
+  ObjectId cid, id;
+  SheetSides sides;
+};
+
 // A jet of 80 m/s onto a sheet of 0.2 kg/m2: none of its particles passes.
 void check_jet(const std::string& solver, const Pins& pins, int steps) {
   const std::size_t count = kAsserts ? 100 : 1500;
   CAPTURE(solver, pins.size());
-  WorldDesc wd;
-  wd.dt = Real(1) / 240, wd.substeps = 1;
-  World w(wd, mixed_catalog());
-  ClothDesc sheet = square(21, 2, false);
-  sheet.pin_names = pins, sheet.self_collision = true;
-  Cloth& cloth = w.need<Cloth>();
-  const ObjectId cid = cloth.add_cloth(sheet);
-  Fluid& fluid = w.need<Fluid>();
-  FluidDesc d;
-  d.solver = solver;
-  const ObjectId id = fluid.add_fluid(d);
+  SheetAndFluid s(solver, 21, 2, pins, ClothDesc().area_density);
   EmitterDesc e;
   e.position = Vec3(Real(0.013), Real(0.6), Real(0.027)), e.speed = 80, e.limit = count;
-  fluid.add_emitter(id, e);
-  SheetSides sides;
-  for (int k = 0; k < steps; ++k) {
-    w.step();
-    sides.follow(cloth, cid, fluid, id);
-  }
-  CHECK(sides.passed() == 0);
-  CHECK(fluid.particle_count(id) == count);
-  CHECK(residual(w, "fluid_cloth.impulse_mismatch") < 1e-4);
-  CHECK(w.is_finite());
+  s.fluid.add_emitter(s.id, e);
+  for (int k = 0; k < steps; ++k) s.step();
+  CHECK(s.sides.passed() == 0);
+  CHECK(s.fluid.particle_count(s.id) == count);
+  CHECK(residual(s.w, "fluid_cloth.impulse_mismatch") < 1e-4);
+  CHECK(s.w.is_finite());
 }
 
 }  // namespace
@@ -63,34 +76,23 @@ namespace {
 // and in the end the water lies still, but for what was spilled over the rim.
 void check_hammock(const std::string& solver, Real area_density, double seconds) {
   CAPTURE(solver, area_density);
-  WorldDesc wd;
-  wd.dt = Real(1) / 240, wd.substeps = 1;
-  World w(wd, mixed_catalog());
-  ClothDesc sheet = square(17, Real(1.6), false);
-  sheet.pin_names = kBorder, sheet.area_density = area_density, sheet.self_collision = true;
-  Cloth& cloth = w.need<Cloth>();
-  const ObjectId cid = cloth.add_cloth(sheet);
-  Fluid& fluid = w.need<Fluid>();
-  FluidDesc d;
-  d.solver = solver;
-  const ObjectId id = fluid.add_fluid(d);
-  fluid.fill(id, block(10, 4, 10, d.spacing, Vec3(0, Real(0.13), 0)), Vec3::Zero());
+  SheetAndFluid s(solver, 17, Real(1.6), kBorder, area_density);
+  World& w = s.w;
+  s.fluid.fill(s.id, block(10, 4, 10, s.water.spacing, Vec3(0, Real(0.13), 0)), Vec3::Zero());
   const auto all = [&] {
     const Energy e = w.energy();
     return e.kinetic + e.potential + e.elastic;
   };
-  const double first = all(), mass = 400 * static_cast<double>(fluid.particle_mass(id));
+  const double first = all(), mass = 400 * static_cast<double>(s.fluid.particle_mass(s.id));
   const int steps = static_cast<int>(seconds * 240), last = steps * 4 / 5;
   double most = first, speed = 0;
-  SheetSides sides;
   std::vector<Vec3> x, v;
   std::size_t spilled = 0;
   for (int k = 0; k < steps; ++k) {
-    w.step();
-    sides.follow(cloth, cid, fluid, id);
+    s.step();
     most = std::max(most, all());
     if (k < last) continue;
-    fluid.positions(id, x), fluid.velocities(id, v);
+    s.fluid.positions(s.id, x), s.fluid.velocities(s.id, v);
     double sum = 0;
     spilled = 0;
     for (std::size_t i = 0; i < x.size(); ++i)
@@ -101,7 +103,7 @@ void check_hammock(const std::string& solver, Real area_density, double seconds)
     speed += std::sqrt(sum / static_cast<double>(x.size())) / (steps - last);
   }
   CAPTURE(speed, spilled, most - first, residual(w, "cloth.max_strain"));
-  CHECK(sides.passed() == 0);
+  CHECK(s.sides.passed() == 0);
   CHECK(most - first < 0.02 * mass);  // of a fall of 2 mm
   CHECK(w.is_finite());
   if (seconds < 5) return;

@@ -330,3 +330,22 @@ TEST_CASE("a full vessel is calm, one too full is bounded and says so", "[fluid]
   CHECK(w.is_finite());
   CHECK(rms_speed(w, id) < 1.5);  // measured: 0.3, of a sound of 27 m/s
 }
+
+TEST_CASE("a fluid as stiff as tar slumps and does not burst", "[fluid][extreme]") {
+  if (!kLarge || kAsserts) return;  // many rounds of viscosity
+  const std::string solver = any_fluid_solver();
+  CAPTURE(solver);
+  World w(fluid_world(3), fluid_catalog());
+  add_tank(w, vec3(1, 0, Real(0.3)));
+  FluidDesc d;
+  d.solver = solver, d.viscosity = 1000;
+  const ObjectId id = add_water(w, d, vec3(Real(0.5), Real(0.4), Real(0.3)));
+  for (int k = 0; k < static_cast<int>(180 * kShare) + 1; ++k) {
+    w.step();
+    for (const Event& e : w.events().list()) CHECK(e.kind != EventKind::warning);
+  }
+  double top = 0;
+  for (const Vec3& x : places(w, id)) top = std::max(top, static_cast<double>(x[1]));
+  CHECK(w.is_finite());
+  CHECK(top < 0.4);
+}
