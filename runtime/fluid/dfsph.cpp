@@ -32,8 +32,10 @@
 namespace feder {
 namespace {
 
-constexpr Real kCflTravel = Real(0.8);  // spacings that particles or bodies move in a solver substep
-constexpr int kMostIterations = 100;    // of a solve
+// Spacings that particles or bodies move in a solver substep: half as far where the fluid is twice as dense as its
+// tolerance allows, as steps are then too long for its eddies.
+constexpr Real kCflTravel = Real(0.8), kMostRefined = 2;
+constexpr int kMostIterations = 100;  // of a solve
 // Growth of the density that a solve may leave in a substep: what is left of it is noise, which calm water shows and a
 // splash does not. A share of the tolerance at least, and of the way of a typical particle in spacings, up to the
 // tolerance and kMostGrowth.
@@ -94,11 +96,12 @@ class Dfsph final : public FluidSolver {
 Real Dfsph::wanted_steps(FluidPool& p, const StepContext& c) const {
   const Real d = p.desc.spacing;
   const ColumnScales column = column_scales(p, c);
-  const Real speed = speed_near(p, column, *boundary, kCflTravel * d, c);
+  const Real travel = kCflTravel * d / std::clamp(p.excess / tolerance(p), Real(1), kMostRefined);
+  const Real speed = speed_near(p, column, *boundary, travel, c);
   p.pace = column.pace;
   p.head = column.head;
   const Real load = p.head * c.h * c.h / (d * d);
-  return std::ceil(std::max({c.h * speed / (kCflTravel * d), std::sqrt(load / kCarriedLoad), Real(1)}));
+  return std::ceil(std::max({c.h * speed / travel, std::sqrt(load / kCarriedLoad), Real(1)}));
 }
 
 void Dfsph::choose_steps(StepContext& c) {
@@ -177,6 +180,7 @@ void Dfsph::correct_density(StepContext& c) {
   bool far = false;
   each(c, [&](FluidPool& p) {
     const PressureSystem::Excess e = system_.excess(p, kMostRebound, *c.jobs);
+    p.excess = static_cast<Real>(e.mean);
     p.too_dense = e.mean > kMissed * wanted ? p.too_dense + h_ : Real(0);
     far = far || e.beyond;
   });

@@ -43,7 +43,7 @@ void BoundaryImages::place_faces(const FluidPool& p, const Boundary& boundary, J
   });
   std::exclusive_scan(block_first_.begin(), block_first_.begin() + p.count + 1, block_first_.begin(), 0u);
   const std::uint32_t most = block_first_[p.count];
-  if (back_.size() < most) back_.resize(most + most / 4), there_.resize(back_.size());
+  if (back_.size() < most) back_.resize(most + most / 2), there_.resize(back_.size());
   faces_[contacts] = {0, 0, 0, kFarFace};
 
   ImageInput& in = input_;

@@ -60,6 +60,7 @@ struct FluidPool {
   Real head = 0;          // dfsph: g H of its column, m^2/s^2. Work
   Real pace = 0;          // dfsph: typical speed, m/s. Work
   Real compliance = 0;    // dfsph: growth of the density ratio that a multiplier is left, 1/(kg m^2). Work
+  Real excess = 0;        // dfsph: of the density over that at rest, on average, in the last substep
   Real too_dense = 0;     // pbf, dfsph: s, for which it has been denser than wanted
   Real unsolved = 0;      // dfsph: s, for which velocities have missed their tolerance
   std::uint64_t steps = 0,

@@ -6,8 +6,8 @@ namespace {
 
 template <class P, class F>
 void each_state(P& p, F&& f) {
-  f(p.object), f(p.count), f(p.next_id), f(p.last_h), f(p.sound), f(p.too_dense), f(p.unsolved), f(p.frozen),
-      f(p.asleep), f(p.calm), f(p.rest_center), f(p.rest_key), f(p.fresh);
+  f(p.object), f(p.count), f(p.next_id), f(p.last_h), f(p.sound), f(p.excess), f(p.too_dense), f(p.unsolved),
+      f(p.frozen), f(p.asleep), f(p.calm), f(p.rest_center), f(p.rest_key), f(p.fresh);
   f(p.warned_budget), f(p.warned_full), f(p.warned_viscosity), f(p.warned_spacing), f(p.warned_density),
       f(p.filled_width);
 }

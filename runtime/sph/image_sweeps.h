@@ -146,7 +146,9 @@ struct ImagesOf {
 
   static void images(const SweepInput& s, const ImageInput& in, unsigned first, unsigned last) {
     const WideReal support2 = in.support * in.support;
+    unsigned free = in.block_first[first];  // room for all of them begins there
     for (unsigned i = first; i < last; ++i) {
+      in.block_first[i] = free;
       WideReal* pushes = in.pushes + ImageInput::kPush * static_cast<unsigned long>(in.first[i]);
       for (unsigned long k = 0; k < ImageInput::kPush * static_cast<unsigned long>(in.first[i + 1] - in.first[i]); ++k)
         pushes[k] = 0;
@@ -174,6 +176,7 @@ struct ImagesOf {
       const unsigned blocks = (next + kLanes - 1) / kLanes;
       while (next < blocks * kLanes) put(in, i, next++, {}, {}, in.far_particle);
       in.block_count[i] = blocks;
+      free += blocks;
       in.sums[i] = {{total(sum.x) + sum.own.x, total(sum.y) + sum.own.y, total(sum.z) + sum.own.z},
                     total(sum.value),
                     total(sum.square)};

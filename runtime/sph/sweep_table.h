@@ -39,7 +39,8 @@ struct ImageInput {
   WideReal support = 0;               // m
   WideReal corner = 0, opposite = 0;  // cosines: up to which two planes form a corner; of normals on opposite sides
   bool moments = false;               // of the pushes are asked for
-  const unsigned* block_first = nullptr;
+  // Blocks of a particle. Those of a call of Sweeps::images lie close together, from block_first of its first particle.
+  unsigned* block_first = nullptr;
   ImageBlock* back = nullptr;   // of the others by the position of i; as well what they add to that of i by its own
   ImageBlock* there = nullptr;  // of i by the positions of the others
   unsigned* block_count = nullptr;

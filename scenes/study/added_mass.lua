@@ -20,7 +20,7 @@ local expected = g * (1 - share) / (share + added)
 local unit = g * math.max(math.abs(1 - share), 0.1) / (share + added)  -- there is no acceleration at s = 1
 
 -- What is not reached yet; the aim is 0.05.
-local within = dimension == 3 and { pbf = 0.25, wcsph = 0.25, dfsph = 0.1 } or {}
+local within = dimension == 3 and { pbf = 0.25, wcsph = 0.25 } or {}
 
 local water, ball, weld, release, before
 
@@ -47,7 +47,8 @@ local function points()
   return list
 end
 
--- The tank: planes that leave as much room as the circle, or triangles of a sphere.
+-- The tank: planes that leave as much room as the circle, or triangles of a sphere, and 8 thousandths more: particles that
+-- lie at random and fill all that there is jam.
 local function tank(world)
   if dimension == 2 then
     local half = math.pi / sides
@@ -62,7 +63,7 @@ local function tank(world)
   for i = 0, rows do
     for k = 0, columns - 1 do
       local up, turn = math.pi * i / rows, 2 * math.pi * k / columns
-      local r = b * radius * 1.004
+      local r = b * radius * 1.007
       v[#v + 1] = { r * math.sin(up) * math.cos(turn), r * math.cos(up), r * math.sin(up) * math.sin(turn) }
     end
   end

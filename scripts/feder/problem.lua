@@ -138,6 +138,52 @@ function problem.fill(fluid_, width, height, x, y)
   fluid_:fill { points = points }
 end
 
+-- A square of n by n particles that lie as those of a fluid that has moved, on no lattice: thrown by up to half a spacing,
+-- then led apart (after Colagrossi, Bouscasse, Antuono and Marrone, Comput. Phys. Commun. 183, 2012). Places in spacings.
+function problem.packed(n)
+  local reach, strength, rounds, seed, at = 2, 0.6, 30, 1, {}
+  local function thrown()
+    seed = (1103515245 * seed + 12345) % 2147483648
+    return seed / 2147483648 - 0.5
+  end
+  for j = 1, n do
+    for i = 1, n do at[#at + 1] = { i - 0.5 + thrown(), j - 0.5 + thrown(), 0 } end
+  end
+  local row = n // reach + 8
+  local function cell(x, y) return (y // reach + 2) * row + x // reach + 2 end
+  for _ = 1, rounds do
+    -- with the images behind the walls
+    local cells = {}
+    for _, a in ipairs(at) do
+      for _, x in ipairs { a[1], -a[1], 2 * n - a[1] } do
+        for _, y in ipairs { a[2], -a[2], 2 * n - a[2] } do
+          if math.min(x, y) > -reach and math.max(x, y) < n + reach then
+            local c = cell(x, y)
+            local list = cells[c] or {}
+            list[#list + 1], list[#list + 2], cells[c] = x, y, list
+          end
+        end
+      end
+    end
+    for _, a in ipairs(at) do
+      local x, y, c, u, v = a[1], a[2], cell(a[1], a[2]), 0, 0
+      for up = -row, row, row do
+        for near = c + up - 1, c + up + 1 do
+          local list = cells[near] or {}
+          for m = 1, #list, 2 do
+            local dx, dy = x - list[m], y - list[m + 1]
+            local r = math.sqrt(dx * dx + dy * dy) / reach
+            if r > 1e-9 and r < 1 then u, v = u + (1 - r) ^ 3 * dx, v + (1 - r) ^ 3 * dy end
+          end
+        end
+      end
+      a[1] = math.max(0.1, math.min(n - 0.1, x + strength * u))
+      a[2] = math.max(0.1, math.min(n - 0.1, y + strength * v))
+    end
+  end
+  return at
+end
+
 -- Static half-spaces: the floor y = 0, and walls at x = 0 and, when given, x = width.
 function problem.tank(world, width)
   world:body { type = "static", shape = feder.plane(0, 1, 0, 0) }
