@@ -1,9 +1,10 @@
 // Microseconds per particle and step of a fluid's solvers, by row of the plan, beside a plain loop: the density sum of
 // the same particles over their neighbours, one pair at a time.
-//   bench_fluid [spacing = 0.025] [steps = 20] [solver] [substeps = 4]
+//   bench_fluid [spacing = 0.025] [steps = 20] [solver] [substeps = 4] [threads = 1]
 // A column of 1 x 1 x 0.5 m collapses in a tank (as in ../shared/peers: 6,859 particles are spacing 0.042). A step of
 // wcsph is one of its own. The least of the steps counts, because the machine may be shared. With a solver: it alone,
-// at the defaults of a world, for one simulated second; processor time, substeps, iterations and error of the density.
+// at the defaults of a world, for one simulated second; processor time (of several threads: time on the clock),
+// substeps, iterations, error of the density and hash.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -54,14 +55,15 @@ double plain_density(const std::vector<Vec3>& x, Real spacing, double& pairs) {
 
 // The column in its tank.
 struct Collapse {
-  Collapse(const char* solver, Real spacing, int substeps) : w(world_desc(substeps), fluid_catalog()) {
+  Collapse(const char* solver, Real spacing, int substeps, int threads = 1)
+      : w(world_desc(substeps, threads), fluid_catalog()) {
     add_tank(w, vec3(4, 0, Real(0.5)));
     FluidDesc d;
     d.solver = solver, d.spacing = spacing, d.max_substeps = 1000;
     id = add_water(w, d, vec3(1, 1, Real(0.5)));
   }
-  static WorldDesc world_desc(int substeps) {
-    WorldDesc d = fluid_world(3, 1);
+  static WorldDesc world_desc(int substeps, int threads) {
+    WorldDesc d = fluid_world(3, threads);
     d.dt = Real(1) / 60, d.substeps = substeps;
     return d;
   }
@@ -101,16 +103,17 @@ void bench(const char* solver, Real spacing, int steps) {
   c.print_rows();
 }
 
-void second(const char* solver, Real spacing, int substeps) {
-  Collapse c(solver, spacing, substeps);
+void second(const char* solver, Real spacing, int substeps, int threads) {
+  Collapse c(solver, spacing, substeps, threads);
+  const auto now = [&] { return threads > 1 ? seconds() : static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
   World& w = c.w;
   const ObjectId id = c.id;
   Fluid& f = w.need<Fluid>();
   double error = 0, taken = 0;
   for (int k = 0; k < 60; ++k) {
-    const std::clock_t from = std::clock();
+    const double from = now();
     w.step();
-    taken += static_cast<double>(std::clock() - from) / CLOCKS_PER_SEC;
+    taken += now() - from;
     double mean = 0, most = 0;
     w.query<Fluid>()->density_error(id, mean, most);
     error += mean / 60;
@@ -119,8 +122,9 @@ void second(const char* solver, Real spacing, int substeps) {
                iterations = static_cast<double>(f.solver_iterations(id));
   std::printf(
       "%s: %.0f particles, a second in %.2f s: %.0f substeps, %.1f iterations in each, mean error %.3f %%, "
-      "%.3f us per particle and substep\n",
-      solver, count, taken, steps, iterations / steps, 100 * error, 1e6 * taken / count / steps);
+      "%.3f us per particle and substep, hash %016llx\n",
+      solver, count, taken, steps, iterations / steps, 100 * error, 1e6 * taken / count / steps,
+      static_cast<unsigned long long>(w.hash()));
   c.print_rows();
 }
 
@@ -128,8 +132,8 @@ void second(const char* solver, Real spacing, int substeps) {
 
 int main(int argc, char** argv) {
   const Real spacing = argc > 1 ? static_cast<Real>(std::atof(argv[1])) : Real(0.025);
-  const int steps = argc > 2 ? std::atoi(argv[2]) : 20;
-  if (argc > 3) return second(argv[3], spacing, argc > 4 ? std::atoi(argv[4]) : 4), 0;
-  bench("pbf", spacing, steps);
-  bench("wcsph", spacing, steps);
+  const auto option = [&](int at, int otherwise) { return argc > at ? std::atoi(argv[at]) : otherwise; };
+  if (argc > 3) return second(argv[3], spacing, option(4, 4), option(5, 1)), 0;
+  bench("pbf", spacing, option(2, 20));
+  bench("wcsph", spacing, option(2, 20));
 }
