@@ -170,9 +170,10 @@ double calm_after(int layers, double spacing, int substeps, int iterations) {
   return 2;
 }
 
-// Ten seconds each, or two where they would cost more than 1e9 particles times solver substeps.
+// Ten seconds each, or two where they would cost more than 1e9 particles times solver substeps; a third of that with
+// solvers that iterate, whose substeps cost three times as much.
 StillWaterResult in_map(StillWater s) {
-  s.budget = 1e9;
+  s.budget = s.solver == "wcsph" ? 1e9 : 3e8;
   return run_still_water(s);
 }
 
@@ -208,7 +209,9 @@ TEST_CASE("the map of still water in space", "[fluid][.][map3d]") {
   const std::string solver = any_fluid_solver();
   for (const int layers : {8, 25, 50})
     for (const double spacing : {0.006, 0.0125, 0.05, 0.1}) {
-      const StillWaterResult r = in_map(water(solver, 3, layers, spacing, 4, 4, 10));
+      // shallow and coarse, wcsph settles for 5 s, in which single particles leave the lattice at up to 0.6 m/s
+      const double calm = solver == "wcsph" && layers == 8 && spacing >= 0.05 ? 5 : 2;
+      const StillWaterResult r = in_map(water(solver, 3, layers, spacing, 4, 4, 10, calm));
       CAPTURE(solver, layers, spacing, r.top, r.speed, r.noise, r.burst, r.warned, r.excess, r.per_step);
       CHECK(r.burst < 0);
       CHECK((r.warned < 0 || r.at_limit));
