@@ -17,9 +17,10 @@
 //  - the shortest waves of the velocities are damped under gravity: noise, which pressure would keep;
 //  - conjugate gradients with bounds (pressure_system.h) in place of Jacobi steps.
 // Bodies are part of the system: their masses are in it, and they move with every iteration.
-// Kept between calls: the multipliers, in FluidPool::lambda, kg m^2/s; over h V they are the pressure. Weak spots:
-// a lattice that a flow stirs loses energy as it breaks up (scenes/study/taylor_green.lua); the kernel "cubic" shortens
-// the period of waves; pressure does not pull.
+// Kept between calls: the multipliers, in FluidPool::lambda, kg m^2/s, over h V the pressure; FluidPool::excess. Weak
+// spots: a lattice that a flow stirs loses energy as it breaks up, and in more substeps than it needs, in which it is
+// stiffer (kStiffness), a flow loses more (scenes/study/taylor_green.lua); the kernel "cubic" shortens the period of
+// waves; pressure does not pull.
 #include <algorithm>
 #include <cmath>
 #include <string>

@@ -107,6 +107,7 @@ TEST_CASE("a column that is let go starts as potential theory says", "[fluid][cl
 
 TEST_CASE("the front of a dam break runs as Martin and Moyce measured", "[fluid][closed]") {
   const std::string solver = any_fluid_solver();
+  const bool at_once = solver == "dfsph";  // ahead by what the others start late
   CAPTURE(solver);
   Column c(solver);
   const double fronts[][2] = {{0.62, 1.22},
@@ -143,8 +144,8 @@ TEST_CASE("the front of a dam break runs as Martin and Moyce measured", "[fluid]
   };
   for (const auto& m : fronts) {
     CAPTURE(m[0], at(z, m[0]));
-    CHECK(at(z, m[0] - kDelay) == Approx(m[1]).epsilon(0.09));
-    CHECK(at(z, m[0]) < 1.18 * m[1]);  // and unshifted no further ahead than said above
+    CHECK(at(z, m[0] - kDelay) == Approx(m[1]).epsilon(at_once ? 0.09 : 0.08));
+    CHECK(at(z, m[0]) < (at_once ? 1.18 : 1.15) * m[1]);  // and unshifted no further ahead than said above
   }
   for (const auto& m : heights) CHECK(at(h, m[0] - kDelay) == Approx(m[1]).epsilon(0.03));
 }
