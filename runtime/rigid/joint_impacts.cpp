@@ -13,62 +13,63 @@ namespace {
 constexpr Real kSlowest = Real(1e-6);  // m/s across the normal: slower does not rub
 
 // Change of the angular velocity by an angular impulse.
-Vec3 turned_by(const SolverInput& in, std::uint32_t i, const Vec3& moment) {
-  const JointedBody* j = in.uneven(i);
-  return j ? jointed_response(*j, moment) : Vec3(in.solver_bodies->mass[i].inv_inertia * moment);
+Vec3 turned_by(const StruckBodies& in, std::uint32_t i, const Vec3& moment) {
+  const JointedBody* j = in.input.uneven(i);
+  return j ? jointed_response(*j, moment) : Vec3(in.share[i] * (in.input.solver_bodies->mass[i].inv_inertia * moment));
 }
 
 Vec3 velocity_at(const SolverBody& s, const Vec3& arm) { return s.velocity + cross(s.angular_velocity, arm); }
 
 // Of a point along `n`, unit, kg; 0 where nothing moves.
-Real mass_along(const PointImpact& p, const Vec3& n, const SolverInput& in) {
+Real mass_along(const PointImpact& p, const Vec3& n, const StruckBodies& in) {
   Real inverse = 0;
   for (const bool first : {true, false}) {
     const std::uint32_t i = first ? p.index_a : p.index_b;
     const Vec3& arm = first ? p.arm_a : p.arm_b;
     const Vec3 moment = cross(arm, n);
-    inverse += dot(n.cwiseProduct(in.solver_bodies->mass[i].inv_mass_axes), n) + dot(turned_by(in, i, moment), moment);
+    inverse +=
+        dot(n.cwiseProduct(in.input.solver_bodies->mass[i].inv_mass_axes), n) + dot(turned_by(in, i, moment), moment);
   }
   return inverse > 0 ? 1 / inverse : Real(0);
 }
 
-void push_side(const SolverInput& in, std::uint32_t i, const Vec3& arm, const Vec3& impulse) {
+void push_side(const StruckBodies& in, std::uint32_t i, const Vec3& arm, const Vec3& impulse) {
   if (i == 0) return;
-  SolverBody& s = in.solver_bodies->state[i];
-  s.velocity += in.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(impulse);
+  SolverBody& s = in.input.solver_bodies->state[i];
+  s.velocity += in.input.solver_bodies->mass[i].inv_mass_axes.cwiseProduct(impulse);
   const Vec3 moment = cross(arm, impulse);
-  if (JointedBody* j = in.uneven(i))
+  if (JointedBody* j = in.input.uneven(i))
     push_jointed(*j, moment.cast<double>(), s);
   else
-    s.angular_velocity += in.solver_bodies->mass[i].inv_inertia * moment;
+    s.angular_velocity += turned_by(in, i, moment);
 }
 
-void push_both(const SolverInput& in, const PointImpact& p, const Vec3& impulse) {
+void push_both(const StruckBodies& in, const PointImpact& p, const Vec3& impulse) {
   push_side(in, p.index_a, p.arm_a, -impulse);
   push_side(in, p.index_b, p.arm_b, impulse);
 }
 
-Vec3 speed_of(const SolverInput& in, const PointImpact& p) {
-  const SolverBody *a = &in.solver_bodies->state[p.index_a], *b = &in.solver_bodies->state[p.index_b];
+Vec3 speed_of(const StruckBodies& in, const PointImpact& p) {
+  const SolverBody *a = &in.input.solver_bodies->state[p.index_a], *b = &in.input.solver_bodies->state[p.index_b];
   return velocity_at(*b, p.arm_b) - velocity_at(*a, p.arm_a);
 }
 
 }  // namespace
 
-std::span<PointImpact> list_impacts(const ContactGroup& contacts, const SolverInput& in, StepContext& c) {
+std::span<PointImpact> list_impacts(const ContactGroup& contacts, const StruckBodies& in, StepContext& c) {
   std::size_t count = 0;
   contacts.each_strike([&](const ContactGroup::Place&) { ++count; });
   PointImpact* list = c.scratch->take<PointImpact>(count);
   std::size_t at = 0;
   contacts.each_strike([&](const ContactGroup::Place& place) {
-    const Contact& contact = in.contacts->slots[place.slot];
+    const Contact& contact = in.input.contacts->slots[place.slot];
     PointImpact& p = list[at++];
     p = {place,
          contact.normal,
          contact.points[place.point].arm_a,
          contact.points[place.point].arm_b,
-         in.solver_index(contact.collider_a),
-         in.solver_index(contact.collider_b),
+         in.input.solver_index(contact.collider_a),
+         in.input.solver_index(contact.collider_b),
          0,
          contact.friction_dynamic,
          0,
@@ -78,7 +79,7 @@ std::span<PointImpact> list_impacts(const ContactGroup& contacts, const SolverIn
   return {list, count};
 }
 
-void strike(std::span<PointImpact> impacts, int rounds, ContactGroup& contacts, const SolverInput& in) {
+void strike(std::span<PointImpact> impacts, int rounds, ContactGroup& contacts, const StruckBodies& in) {
   for (int round = 0; round < rounds; ++round)
     for (PointImpact& p : impacts) {
       const Real wanted = std::max(p.impulse - p.mass * dot(speed_of(in, p), p.normal), Real(0));

@@ -8,6 +8,12 @@
 
 namespace feder {
 
+// Bodies as joints feel them. Two inertias, in turn, would drive each other on.
+struct StruckBodies {
+  const SolverInput& input;
+  std::span<const Real> share;  // of their inverse inertia that joints use, by solver index; uneven ones know theirs
+};
+
 // A contact point that strikes.
 struct PointImpact {
   ContactGroup::Place at;
@@ -19,9 +25,9 @@ struct PointImpact {
 };
 
 // Points that the kernel `mark` has found. In scratch memory.
-std::span<PointImpact> list_impacts(const ContactGroup& contacts, const SolverInput& in, StepContext& c);
+std::span<PointImpact> list_impacts(const ContactGroup& contacts, const StruckBodies& in, StepContext& c);
 
 // Stops the points, in `rounds` of Gauss-Seidel, with Coulomb friction: each impulse takes energy.
-void strike(std::span<PointImpact> impacts, int rounds, ContactGroup& contacts, const SolverInput& in);
+void strike(std::span<PointImpact> impacts, int rounds, ContactGroup& contacts, const StruckBodies& in);
 
 }  // namespace feder

@@ -298,6 +298,7 @@ void SoftStep::settle_impacts(Group& g, const Piece& piece, const SolverInput& i
   SolverBody* state = in.solver_bodies->state.data();
   ContactPass p = pass(g, piece, in, c);
   p.all_strike = 1;
+  const StruckBodies as_jointed{in, g.soft_joints->shares()};
   for (int turn = 0; turn < kImpactTurns; ++turn) {
     g.contacts.run(kernels_->mark, p, *c.jobs);
     if (!g.contacts.any_strikes(true)) {
@@ -305,7 +306,7 @@ void SoftStep::settle_impacts(Group& g, const Piece& piece, const SolverInput& i
       break;
     }
     if (turn == 0) each_body(g, c, [&](std::uint32_t i) { end_velocity(i, state[i]); });
-    feder::strike(list_impacts(g.contacts, in, c), kImpactRounds, g.contacts, in);
+    feder::strike(list_impacts(g.contacts, as_jointed, c), kImpactRounds, g.contacts, as_jointed);
     g.soft_joints->project(own, c);
   }
   each_body(g, c, [&](std::uint32_t i) { begin_from(i, state[i]); });
