@@ -37,9 +37,8 @@ class SoftJoints {
 
   std::span<const std::uint32_t> bodies() const { return {bodies_.data(), bodies_.size()}; }  // on joints, ascending
 
-  std::span<const Real> shares() const {
-    return {share_.data(), share_.size()};
-  }  // of inverse inertias, by solver index
+  // Of the inverse inertias, that joints use; by solver index.
+  std::span<const Real> shares() const { return {share_.data(), share_.size()}; }
 
   // Pseudo-velocities, by solver index; empty where there are none.
   std::span<const BodySlide> slides() const { return {slides_.data(), slides_.size()}; }

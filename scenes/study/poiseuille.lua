@@ -1,13 +1,13 @@
 -- The flow between two plates starts under a force on the fluid: its profile is the series of Morris, Fox and Zhu,
--- Modeling Low Reynolds Number Incompressible Flows Using SPH (1997), eq. 21. The fluid ends in free surfaces, along
--- which nothing rubs, so that the middle carries some of the force on the ends: a length of 4 gaps is 2 % too fast at
--- .4 s and 5 % in the end, one of 8 a fraction of that.
+-- Modeling Low Reynolds Number Incompressible Flows Using SPH (1997), eq. 21.
 local feder = require "feder"
 local problem = require "feder.problem"
 
 local p = problem.fluid(12, 0.4)
 local viscosity = feder.param("viscosity", 0.5, { min = 1e-3, max = 10, help = "kinematic, m^2/s" })
 
+-- Nothing rubs along the free surfaces in which the fluid ends, so the middle carries some of the force on the ends: it is
+-- 2 % too fast at .4 s and 5 % in the end where the fluid is 4 gaps long, a fraction of that where it is 8.
 local long, force, band = 8, 0.5, 0.09  -- m, m/s^2, m
 local last = force / (8 * viscosity)  -- the last speed in the middle, m/s
 p.world.gravity = { force, 0 }
@@ -71,6 +71,7 @@ return feder.scene {
   end,
 
   check = function(world, _, expect)
-    expect.error(error_now(world:time()), "<", 0.05, "profile")
+    -- dfsph swings about the profile (runtime/fluid/dfsph.cpp, weak spots)
+    expect.error(error_now(world:time()), "<", p.solver == "dfsph" and 0.08 or 0.03, "profile")
   end,
 }

@@ -7,9 +7,9 @@
                                   whose message says why
 
 A line of the file is "REAL scene [options] steps hash". Hashes are taken after 240 steps at the scene's own settings,
-and after 60, which is late where 240 steps are not: they say when a scene began to differ. They are the same for gcc and clang, -O1 and -O3, 1, 2 and 4 threads (scripts/check/determinism.py). Lines of
-other checks in the file (tests/rigid/test_determinism.cpp) stay as they are. Exit status 1 when a line differs or is
-missing, on either side.
+and after 60, which is late where 240 steps are not: they say when a scene began to differ. They are the same for gcc
+and clang, -O1 and -O3, 1, 2 and 4 threads (scripts/check/determinism.py). Lines of other checks in the file
+(tests/rigid/test_determinism.cpp) stay as they are. Exit status 1 when a line differs or is missing, on either side.
 """
 import concurrent.futures
 import json

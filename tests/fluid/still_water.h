@@ -19,8 +19,8 @@ struct StillWater {
 
 struct StillWaterResult {
   double top = 0;  // largest height of a particle, by H + 2 d (wcsph: 1.01 H + 2 d)
-  double speed =
-      0;  // largest speed once calm, by what is allowed: max(0.2 sqrt(g H), 2 g h of the inner substep); wcsph 0.23
+  // Largest speed once calm, by what is allowed: max(0.2 sqrt(g H), 2 g h of the inner substep); wcsph: 0.23.
+  double speed = 0;
   double burst = -1;       // s, when either first went beyond; -1: never
   double warned = -1;      // s, of the first warning
   double noise = 0;        // m/s, largest root mean square of the speeds once calm

@@ -160,9 +160,8 @@ TEST_CASE("pbf says before it bursts that its steps do not carry the column", "[
 namespace {
 
 // s. Some columns take longer than 2 s, and are found here so that no more become like them:
-//  - pbf, shallow coarse ones in fine steps: the lattice settles by 1.6 cm on average and, inviscid, swings it out:
-//  with
-//    4, 8 and 32 iterations 1.29, 1.12 and 1.002 times the bound after 2 s, 1.06, 0.98 and 0.80 after 3 s;
+//  - pbf, shallow coarse ones in fine steps: the lattice settles by 1.6 cm on average and, inviscid, swings it
+//    out: with 4, 8 and 32 iterations 1.29, 1.12 and 1.002 times the bound after 2 s, 1.06, 0.98, 0.80 after 3 s;
 //  - pbf, 10 and 20 m with a single iteration: up to 1.5 times the bound between 2 and 3 s, 1.03 at 4.5 s;
 //  - wcsph in space, shallow coarse ones: single particles leave the lattice at up to 0.6 m/s.
 double calm_after(const StillWater& s) {
