@@ -141,8 +141,15 @@ constexpr Option<EmitterReading> kEmitter[] = {
     later<EmitterReading>("tags", kWordsType),
 };
 
+struct Interface {
+  Real tension = 0;
+};
+
+constexpr Option<Interface> kInterface[] = {field<&Interface::tension>("tension", "N/m", kNotNegative).unset()};
+
 }  // namespace
 
+std::vector<OptionInfo> interface_rows() { return describe_rows(kInterface); }
 std::vector<OptionInfo> fluid_rows() { return describe_rows(kFluid); }
 std::vector<OptionInfo> fill_rows() { return describe_rows(kFill); }
 std::vector<OptionInfo> flux_rows() { return describe_rows(kFlux); }
@@ -152,6 +159,21 @@ std::vector<OptionInfo> drain_rows() { return describe_rows(kDrain); }
 ObjectId world_fluid(WorldRecord& r, lua_State* L) {
   const FluidReading fluid = read_description(L, r, kFluid);
   return system_of<Fluid>(r).add_fluid(fluid);
+}
+
+void world_interface(WorldRecord& r, lua_State* L) {
+  Options o(L, 2, function_name(L), r.planar());
+  o.skip_entries(2);
+  Interface made;
+  o.read(kInterface, made);
+  if (!o.given("tension")) o.raise("tension", "expected a number, 0 or more, got nothing");
+  ObjectId fluids[2];
+  for (int k = 0; k < 2; ++k) {
+    lua_rawgeti(L, o.index(), k + 1);
+    fluids[k] = check_object(L, -1, r, o.owner() + "[" + std::to_string(k + 1) + "]", "fluid");
+    lua_pop(L, 1);
+  }
+  system_of<Fluid>(r).set_interface(fluids[0], fluids[1], made.tension);
 }
 
 std::size_t fluid_fill(const Object<Fluid>& f, lua_State* L) {

@@ -247,6 +247,9 @@ void make_fluid(lua_State* L, int world) {
 const Method kWorld[] = {
     {"fluid", method<world_fluid>, "world:fluid{ spacing =, density =, viscosity =, solver =, ... } -> fluid",
      "particles of a liquid", fluid_rows},
+    {"interface", method<world_interface>, "world:interface{ a, b, tension = }",
+     "tension between two fluids that may touch, N/m; the difference of their tensions when nobody says",
+     interface_rows},
 };
 std::vector<OptionInfo> source_rows() {
   const auto row = [](const char* name, std::vector<OptionInfo> inner) {

@@ -15,6 +15,8 @@ FluidBox fluid_box(const Object<Fluid>& f, lua_State* L);  // options of fluid:f
 ObjectId fluid_emitter(const Object<Fluid>& f, lua_State* L);
 ObjectId fluid_drain(const Object<Fluid>& f, lua_State* L);
 ObjectId world_fluid(WorldRecord& r, lua_State* L);
+void world_interface(WorldRecord& r, lua_State* L);
+std::vector<OptionInfo> interface_rows();
 std::vector<OptionInfo> fluid_rows();
 std::vector<OptionInfo> fill_rows();
 std::vector<OptionInfo> flux_rows();

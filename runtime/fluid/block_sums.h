@@ -41,12 +41,11 @@ Sum sum_blocks(std::uint32_t count, JobGrain grain, JobPool& jobs, Scratch& scra
 // impulses[body], which is null unless Boundary::weighed.
 template <class F>
 void weigh_blocks(std::uint32_t count, Boundary& boundary, const StepContext& c, F&& f) {
-  constexpr JobGrain grain = kParticleGrain;
   const Scratch::Frame frame(*c.scratch);
-  const std::size_t bodies = boundary.weighed ? boundary.bodies.size() : 0, blocks = block_count(count, grain);
+  const std::size_t bodies = boundary.weighed ? boundary.bodies.size() : 0, blocks = block_count(count, kParticleGrain);
   Vec3* impulses = c.scratch->take<Vec3>(blocks * bodies);
-  c.jobs->for_blocks(count, grain, [&](std::uint32_t first, std::uint32_t last, int) {
-    Vec3* own = bodies > 0 ? impulses + first / grain.items * bodies : nullptr;
+  c.jobs->for_blocks(count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    Vec3* own = bodies > 0 ? impulses + first / kParticleGrain.items * bodies : nullptr;
     std::fill(own, own + bodies, Vec3(Vec3::Zero()));
     for (std::uint32_t i = first; i < last; ++i) f(i, own);
   });

@@ -100,6 +100,7 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
       if (!meets(solid)) continue;
       const Real margin = swept_bounds(i, boundary.bodies[solid.body]);
       const Vec3 at = start[i].vec();
+      if (is_mixture() && !fluid_of(i).meets(solid)) continue;
       Aabb box{at, at};
       box.grow(margin);
       if (!overlaps(box, solid.box)) continue;
@@ -176,16 +177,22 @@ void FluidPool::find_contacts(JobPool& jobs, const Boundary& boundary, Real spec
 
 // Particles nearer than 0.75 spacings are in contact: at rest they lie half a spacing from the boundary.
 void FluidPool::record_contact_states(const Boundary& boundary) {
-  if (contact_states.size() < boundary.bodies.size()) contact_states.resize(boundary.bodies.size());
   const std::uint32_t total = contact_first[count];
   const Real near = Real(0.75) * desc.spacing;
-  for (FluidContactState& t : contact_states) t.count = 0, t.point = t.normal = Vec3::Zero();
+  const auto clear = [&](FluidPool& p) {
+    if (p.contact_states.size() < boundary.bodies.size()) p.contact_states.resize(boundary.bodies.size());
+    for (FluidContactState& t : p.contact_states) t.count = 0, t.point = t.normal = Vec3::Zero();
+  };
+  if (!is_mixture()) clear(*this);
+  for (FluidPool* p : phases)
+    if (p->mixed) clear(*p);
   for (std::uint32_t k = 0; k < total; ++k) {
     const BoundaryContact& c = contacts[k];
     const Vec3 position = x[c.particle].vec();
     if (dot(c.normal, position) - c.offset > near) continue;
     FEDER_ASSERT(c.particle < count && c.shape < boundary.shapes.size());
-    FluidContactState& t = contact_states[boundary.shapes[c.shape].body];
+    FluidPool& own = is_mixture() ? *phases[phase[c.particle]] : *this;
+    FluidContactState& t = own.contact_states[boundary.shapes[c.shape].body];
     t.body = boundary.body_of(c).object;
     ++t.count;
     t.point += position, t.normal += c.normal;
@@ -277,7 +284,7 @@ void FluidPool::each_missed(std::uint32_t i, const Boundary& boundary, F&& f) co
   for (std::uint32_t k = 0; k < n; ++k) {
     const std::uint32_t w = fast ? k : fast_shapes[k];
     const BoundaryShape& solid = boundary.shapes[w];
-    if (!overlaps(path, swept_shape[w]) || !meets(solid)) continue;
+    if (!overlaps(path, swept_shape[w]) || !fluid_of(i).meets(solid)) continue;
     const std::span<const BoundaryContact> own = contacts_of(i);
     if (std::any_of(own.begin(), own.end(), [&](const BoundaryContact& c) { return c.shape == w; })) continue;
     const Vec3 local = to_local(found_pose[w], from);
@@ -338,10 +345,11 @@ void FluidPool::move_out(std::uint32_t i, Boundary& boundary, bool velocities) {
       const Real closing = dot(n, v[i].vec() - b.velocity_at(x[i].vec()));
       if (closing >= 0 || !velocities) return;
       // fully plastic, by the masses of the pair: the body gains the momentum that the particle loses
-      const Real share = 1 / (1 + (b.dynamic ? mass * b.response(x[i].vec(), n) : Real(0)));
+      const Real own = mass_of(i);
+      const Real share = 1 / (1 + (b.dynamic ? own * b.response(x[i].vec(), n) : Real(0)));
       FEDER_ASSERT(!(share < 0 || share > Real(1.01)));
-      const Vec3 p = (-closing * share * mass) * n;
-      v[i].set(v[i].vec() + p / mass);
+      const Vec3 p = (-closing * share * own) * n;
+      v[i].set(v[i].vec() + p / own);
       if (b.dynamic)
         b.push(x[i].vec(), -p);
       else

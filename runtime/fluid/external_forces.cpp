@@ -44,10 +44,12 @@ Sums sums_of(const FluidPool& p, const StepContext& c) {
   // of velocities and their squares
   Sums s = sum_blocks<Sums>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Sums& sum) {
     const double v[3] = {p.v[i].x, p.v[i].y, p.v[i].z};
-    for (int k = 0; k < 3; ++k) sum.momentum[k] += v[k], sum.kinetic += v[k] * v[k];
+    const double mass = p.is_mixture() ? static_cast<double>(p.mass_of(i)) : 1;
+    for (int k = 0; k < 3; ++k) sum.momentum[k] += mass * v[k], sum.kinetic += mass * v[k] * v[k];
   });
-  for (double& m : s.momentum) m *= static_cast<double>(p.mass);
-  s.kinetic *= 0.5 * static_cast<double>(p.mass);
+  const double mass = p.is_mixture() ? 1 : static_cast<double>(p.mass);
+  for (double& m : s.momentum) m *= mass;
+  s.kinetic *= 0.5 * mass;
   return s;
 }
 
@@ -95,7 +97,7 @@ void add_generators(const FluidPool& p, std::uint32_t first, std::uint32_t last,
 template <class F>
 void Fluid::Impl::each_force(const FluidPool& p, F&& f) const {
   const Forces* forces = store.find<Forces>();
-  if (!forces) return;
+  if (!forces || p.is_mixture()) return;  // those on its fluids are in script_force
   const TagMask tags = objects.tags(p.object);
   for (const ForceEntry& entry : forces->list)
     if (acts_on(entry, p.object, tags)) f(entry);
@@ -209,17 +211,16 @@ template <class F>
 void Fluid::Impl::kick_by_forces(double time, StepContext& c, F&& seconds) {
   const Forces* forces = store.find<Forces>();
   const Real share = forces ? forces->drag_share() : Real(1);
-  for (auto& pool : pools) {
-    FluidPool& p = *pool;
-    if (!p.active() || p.group != static_cast<std::uint32_t>(c.inner.group)) continue;
+  const auto kick_pool = [&](FluidPool& p) {
+    if (!p.active() || p.group != static_cast<std::uint32_t>(c.inner.group)) return;
     const Real h = seconds(p);
     JobPool* jobs = h > 0 ? jobs_of_forces(p, c) : nullptr;
-    if (!jobs) continue;
+    if (!jobs) return;
     const Sums before = sums_of(p, c);
     jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       each_force_block(p, first, last, time, share / h, [&](std::uint32_t from, std::uint32_t to, const Vec3* force) {
         for (std::uint32_t i = from; i < to; ++i) {
-          Vec3 kick = (h / p.mass) * force[i - from];
+          Vec3 kick = (h / p.mass_of(i)) * force[i - from];
           if (p.dimension == 2) kick[2] = 0;
           p.v[i].set(p.v[i].vec() + kick);
         }
@@ -228,7 +229,23 @@ void Fluid::Impl::kick_by_forces(double time, StepContext& c, F&& seconds) {
     const Sums after = sums_of(p, c);
     for (int k = 0; k < 3; ++k) p.pushed[k] += after.momentum[k] - before.momentum[k];
     p.worked += std::max(0.0, after.kinetic - before.kinetic);
-  }
+  };
+  for (auto& p : pools) kick_pool(*p);
+  for (auto& p : mixtures) kick_pool(*p);
+}
+
+// Forces on the particles of a fluid for this substep, into rows that it keeps in a mixture.
+void Fluid::Impl::store_forces(const FluidPool& p, Row4* to, StepContext& c) {
+  JobPool* jobs = jobs_of_forces(p, c);
+  if (!jobs) return std::fill(to, to + p.count, Row4{});
+  const Forces* forces = store.find<Forces>();
+  const Real share = forces ? forces->drag_share() : Real(1);
+  const double time = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
+  jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    each_force_block(p, first, last, time, share / c.h, [&](std::uint32_t from, std::uint32_t end, const Vec3* force) {
+      for (std::uint32_t i = from; i < end; ++i) to[i].set(force[i - from]);
+    });
+  });
 }
 
 void Fluid::Impl::apply_forces(StepContext& c) {

@@ -83,6 +83,8 @@ void Fluid::Impl::group_pools() {
   for (auto& s : solvers)
     if (s) s->pools.clear();
   for (auto& p : pools) solver_of(*p).pools.push_back(p.get());
+  make_mixtures();
+  for (auto& p : mixtures) solver_of(*p).pools.push_back(p.get());
 }
 
 void Fluid::add_passes(StepPlan& plan) {
@@ -100,7 +102,7 @@ void Fluid::add_passes(StepPlan& plan) {
   bool fresh = false;
   for (const auto& p : m->pools) fresh = fresh || p->fresh;
   if (fresh) plan.add<&Impl::relax>(Rank::fluid_settle, "make room", kName, m);
-  plan.add<&Impl::make_groups>(before(Rank::fluid_choose), "groups", kName, m);
+  plan.add<&Impl::begin_substep>(before(Rank::fluid_choose), "wake", kName, m);
   if (m->has_forces()) {
     if (m->has_wind()) plan.add<&Impl::find_surfaces>(before(Rank::fluid_choose), "surfaces", kName, m);
     plan.add<&Impl::find_pressing>(before(Rank::fluid_choose), "what presses", kName, m);
@@ -108,10 +110,12 @@ void Fluid::add_passes(StepPlan& plan) {
   } else {
     for (auto& p : m->pools) p->pressing = Vec3::Zero(), p->squeeze = 0;
   }
+  plan.add<&Impl::make_groups>(before(Rank::fluid_choose), "groups", kName, m);
   for (auto& s : m->solvers)
     if (s && !s->pools.empty()) s->add_passes(plan);
   if (m->has_forces() && std::any_of(m->pools.begin(), m->pools.end(), [](const auto& p) { return p->half_kicks; }))
     plan.add<&Impl::close_forces>(Rank::fluid_project, "forces, last half", kName, m);
+  if (!m->mixtures.empty()) plan.add<&Impl::unmix>(before(Rank::fluid_check), "unmix", kName, m);
   plan.add<&Impl::project>(Rank::boundary_project, "non-penetration", kName, m);
   if (!m->drains.empty()) plan.add<&Impl::drain>(Rank::fluid_drain, "drain", kName, m);
   const bool kills =
@@ -136,6 +140,7 @@ ObjectId Fluid::add_fluid(const FluidDesc& desc) {
   find_variant(fluid_solvers(), desc.solver, "fluid solver");
   Impl& m = *impl_;
   auto p = std::make_unique<FluidPool>(m.arena, desc, m.dimension);
+  m.check_suits(*p);
   p->object = m.objects.add(kFluidKind, static_cast<std::uint32_t>(m.pools.size()), desc.name, desc.tags);
   m.solver_of(*p).keep(*p);
   m.pools.push_back(std::move(p));
@@ -156,6 +161,7 @@ void Fluid::destroy_fluid(ObjectId id, std::string where) {
   FEDER_ASSERT(
       std::none_of(m.emitters.begin(), m.emitters.end(), [&](const FluidEmitter& e) { return e.fluid == id; }));
   FEDER_ASSERT(std::none_of(m.drains.begin(), m.drains.end(), [&](const FluidDrain& d) { return d.fluid == id; }));
+  std::erase_if(m.interfaces, [&](const FluidInterface& f) { return f.a == id || f.b == id; });
   m.destroy(m.pools, id, std::move(where));
 }
 

@@ -12,21 +12,6 @@
 namespace feder {
 namespace {
 
-// Bounds of its particles and their supports in the coming substep.
-Aabb swept_bounds(const FluidPool& p, const StepContext& c) {
-  struct Extremes {
-    Aabb box;
-    Real speed2 = 0;
-    void add(const Extremes& e) { box.include(e.box), speed2 = std::max(speed2, e.speed2); }
-  };
-  Extremes all = sum_blocks<Extremes>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Extremes& e) {
-    e.box.include(p.x[i].vec());
-    e.speed2 = std::max(e.speed2, dot(p.v[i].vec(), p.v[i].vec()));
-  });
-  all.box.grow(p.support + c.h * (std::sqrt(all.speed2) + c.h * length(c.gravity)));
-  return all.box;
-}
-
 // Bounds of a solid then.
 Aabb swept_bounds(const BoundaryShape& w, const BoundaryBody& b, Real h) {
   Aabb box = w.box;
@@ -42,6 +27,20 @@ std::uint32_t first_of(const std::vector<FluidPool*>& pools, std::uint32_t k) {
 
 }  // namespace
 
+Aabb swept_bounds(const FluidPool& p, const StepContext& c) {
+  struct Extremes {
+    Aabb box;
+    Real speed2 = 0;
+    void add(const Extremes& e) { box.include(e.box), speed2 = std::max(speed2, e.speed2); }
+  };
+  Extremes all = sum_blocks<Extremes>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Extremes& e) {
+    e.box.include(p.x[i].vec());
+    e.speed2 = std::max(e.speed2, dot(p.v[i].vec(), p.v[i].vec()));
+  });
+  all.box.grow(p.support + c.h * (std::sqrt(all.speed2) + c.h * length(c.gravity)));
+  return all.box;
+}
+
 void Fluid::Impl::join_pools(const std::vector<FluidPool*>& members, StepContext& c) {
   swept.clear();
   for (const FluidPool* p : members) swept.push_back(swept_bounds(*p, c));
@@ -52,7 +51,7 @@ void Fluid::Impl::join_pools(const std::vector<FluidPool*>& members, StepContext
       if (w.body != b) continue;
       const Aabb box = swept_bounds(w, boundary.bodies[b], c.h);
       for (std::uint32_t k = 0; k < members.size(); ++k) {
-        if (members[k]->count == 0 || !members[k]->meets(w) || !overlaps(swept[k], box)) continue;
+        if (members[k]->count == 0 || members[k]->mixed || !members[k]->meets(w) || !overlaps(swept[k], box)) continue;
         const std::uint32_t one = first_of(members, k), other = first == kNone ? one : first_of(members, first);
         members[std::max(one, other)]->group = std::min(one, other);
         first = std::min(one, other);
@@ -61,12 +60,18 @@ void Fluid::Impl::join_pools(const std::vector<FluidPool*>& members, StepContext
   }
 }
 
+void Fluid::Impl::begin_substep(StepContext& c) {
+  if (c.substep == 0) {
+    for (auto& p : pools) p->worked = 0;
+    wake_disturbed(c);
+  }
+  boundary.start();
+}
+
 void Fluid::Impl::make_groups(StepContext& c) {
   std::vector<int>& counts = c.counts(Loop::fluid).count;
   counts.clear();
-  if (c.substep == 0)
-    for (auto& p : pools) p->worked = 0;
-  if (c.substep == 0) wake_disturbed(c);
+  if (!mixtures.empty()) mix(c);
   for (auto& s : solvers) {
     if (!s) continue;
     const std::vector<FluidPool*>& members = s->pools;
@@ -84,7 +89,6 @@ void Fluid::Impl::make_groups(StepContext& c) {
     }
     for (std::uint32_t k = 0; k < members.size(); ++k) members[k]->group = group_number[k];
   }
-  boundary.start();
 }
 
 }  // namespace feder

@@ -46,6 +46,12 @@ struct FluidDrain {
   std::uint64_t taken = 0;
 };
 
+// Tension between two fluids, N/m. Plain data, saved as bytes.
+struct FluidInterface {
+  ObjectId a, b;
+  Real tension = 0;
+};
+
 struct Fluid::Impl {
   explicit Impl(SystemSetup& setup);
 
@@ -59,9 +65,11 @@ struct Fluid::Impl {
   int dimension;
   bool* structure_changed;
   std::vector<std::unique_ptr<FluidPool>> pools;      // by object index
+  std::vector<std::unique_ptr<FluidPool>> mixtures;   // mixture.cpp; none where no two fluids may touch
   std::vector<std::unique_ptr<FluidSolver>> solvers;  // by row of fluid_solvers(); null while no pool uses it
   std::vector<FluidEmitter> emitters;                 // by object index
   std::vector<FluidDrain> drains;
+  std::vector<FluidInterface> interfaces;
   std::vector<ShapePtr> shapes;               // of drains, never removed: a snapshot may need them
   Array<std::uint8_t> marked{&arena};         // work: particles to remove
   Array<Aabb> swept{&arena};                  // work: by pool of a solver
@@ -106,7 +114,20 @@ struct Fluid::Impl {
   template <class F>
   std::uint32_t take_out(FluidPool& p, const StepContext& c, F&& gone);
 
+  // mixture.cpp
+  void make_mixtures();  // outside steps
+  void check_suits(const FluidPool& made) const;
+  Real pull_of(FluidPool& mixture) const;
+  void find_touching(StepContext& c);
+  void mix(StepContext& c);
+  void unmix(StepContext& c);
+  template <class F>
+  void each_touching(const FluidPool& p, F&& f) const;
+  bool all_calm(const FluidPool& p, Real time) const;                      // those that it touches
+  double given_by_others(const FluidPool& p, const StepContext& c) const;  // energy that they may have, J
+
   // Passes.
+  void begin_substep(StepContext& c);
   void make_groups(StepContext& c);
   void join_pools(const std::vector<FluidPool*>& members, StepContext& c);
   void emit(StepContext& c);
@@ -131,6 +152,7 @@ struct Fluid::Impl {
   void each_force_block(const FluidPool& p, std::uint32_t first, std::uint32_t last, double time, Real drag,
                         F&& f) const;
   JobPool* jobs_of_forces(const FluidPool& p, StepContext& c);
+  void store_forces(const FluidPool& p, Row4* to, StepContext& c);
   double potential(const FluidPool& p) const;  // of them, J
   // sleep.cpp
   struct RestSums {

@@ -1,5 +1,6 @@
 // Warnings about fluids that cannot go well together, and about fluids that do not fit: where they meet, one spacing
-// and densities within kMaxDensityRatio are wanted. Once each. Kept between calls: who has been warned.
+// and densities within the ratio that their solver holds are wanted. Once each. Kept between calls: who has been
+// warned.
 #include <algorithm>
 
 #include "feder/params.h"
@@ -34,9 +35,9 @@ Real ratio_of(Real a, Real b) { return std::max(a, b) / std::min(a, b); }
 }  // namespace
 
 void Fluid::Impl::check_fluids_that_meet(StepContext& c) {
-  const auto suits = [](const FluidPool& a, const FluidPool& b) {
+  const auto suits = [this](const FluidPool& a, const FluidPool& b) {
     return (a.warned_spacing || ratio_of(a.desc.spacing, b.desc.spacing) <= kSameSpacing) &&
-           (a.warned_density || ratio_of(a.desc.density, b.desc.density) <= kMaxDensityRatio);
+           (a.warned_density || ratio_of(a.desc.density, b.desc.density) <= solver_of(a).most_density_ratio());
   };
   for (std::size_t k = 1; k < pools.size(); ++k)
     for (std::size_t j = 0; j < k; ++j) {
@@ -55,14 +56,16 @@ void Fluid::Impl::check_fluids_that_meet(StepContext& c) {
         a.warned_spacing = true;
         c.events->warn("fluid_spacing",
                        pair("spacing", a.desc.spacing, b.desc.spacing, "m") +
-                           ": particles of different size leave gaps or overlap; give both one spacing",
+                           ": particles of different size are not solved as one, and pass through each other; give "
+                           "both one spacing",
                        a.object);
       }
-      if (!a.warned_density && ratio_of(a.desc.density, b.desc.density) > kMaxDensityRatio) {
+      const Real most = solver_of(a).most_density_ratio();
+      if (!a.warned_density && ratio_of(a.desc.density, b.desc.density) > most) {
         a.warned_density = true;
         c.events->warn("density_ratio",
-                       pair("density", a.desc.density, b.desc.density, "kg/m3") + ": a ratio of more than " +
-                           print_value(kMaxDensityRatio) +
+                       pair("density", a.desc.density, b.desc.density, "kg/m3") + ": with " + a.desc.solver +
+                           " a ratio of more than " + print_value(most) +
                            " throws the lighter one about; bring the densities nearer to each other",
                        a.object);
       }

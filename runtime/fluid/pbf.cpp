@@ -105,6 +105,7 @@ class Pbf final : public FluidSolver {
   }
   bool iterates() const override { return true; }
   bool takes_stiffness() const override { return true; }
+  Real most_density_ratio() const override { return 30; }  // with 60 a light layer under a heavy one bursts
 
  private:
   void choose_steps(StepContext& c);
@@ -195,11 +196,10 @@ void Pbf::predict(StepContext& c) {
     for (BoundaryBody& b : boundary->bodies) b.contact_weight = 0;  // set by the group before
   }
   each(c, [&](FluidPool& p) {
-    const Vec3 kick = h_ * p.desc.gravity_scale * c.gravity;
     c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) {
         p.start[i] = p.x[i];
-        const Vec3 v = p.v[i].vec() + kick;
+        const Vec3 v = p.v[i].vec() + h_ * p.fluid_of(i).desc.gravity_scale * c.gravity;
         p.v[i].set(v);
         p.x[i].set(p.x[i].vec() + h_ * v);
       }
@@ -252,7 +252,12 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
   const SweepInput in = p.sweep_input();
   const Real inv_mass = 1 / p.mass, rs = p.support * p.support * p.slope_factor * p.slope_factor;
   const Real step = scheme.step(), carry = first_round ? Real(0) : scheme.carry();
-  const Real least = -kMaxPush * p.mass * p.desc.spacing * p.desc.spacing;
+  const Real least = -kMaxPush * p.lightest * p.mass * p.desc.spacing * p.desc.spacing;
+  const bool mixture = p.is_mixture();
+  if (mixture && first_round)
+    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 1 / p.mass_of(i);
+    });
   const Real compliance = p.desc.stiffness > 0 ? 1 / (p.desc.stiffness * p.volume * h_ * h_) : Real(0);
   const Scratch::Frame frame(*c.scratch);
   const std::uint32_t blocks = block_count(p.count, kFluidGrain);
@@ -264,6 +269,7 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
       p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
     else
       p.sweeps->values(in, first, last, p.sum.data());
+    if (mixture && first_round) p.sweeps->squares_by(in, first, last, p.squares.data());
     for (std::uint32_t i = first; i < last; ++i) {
       const Real crowd = p.value_factor * (first_round ? p.move[i].w : p.sum[i]) + p.own_value + p.screen[i];
       // boundary: density, gradient, and the response of bodies
@@ -285,8 +291,10 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
         // diagonal of the system. Between two solids gradients cancel, but each step changes one of them against the
         // other, so the cancelled part counts
         opposed = std::max(Real(0), opposed - wall.squaredNorm());
-        p.diagonal[i] =
-            inv_mass * std::max(p.least_squares, (pair + wall).squaredNorm() + opposed + rs * p.squares[i]) + shared;
+        const Real own = (pair + wall).squaredNorm() + opposed;
+        p.diagonal[i] = (mixture ? std::max(p.least_squares, own) / p.mass_of(i) + rs * p.squares[i]
+                                 : inv_mass * std::max(p.least_squares, own + rs * p.squares[i])) +
+                        shared;
       }
       p.ratio[i] = crowd + walled;
       const Real excess = std::min(crowd - 1, kMaxExcess) + std::min(walled, kMaxBoundaryExcess), before = p.lambda[i];
@@ -315,6 +323,7 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
 void Pbf::displace(FluidPool& p, StepContext& c) {
   SweepInput in = p.sweep_input();
   const Real inv_mass = 1 / p.mass, rate = 1 / h_;
+  const bool mixture = p.is_mixture();
   // With gradients at the start of the substep, as in SHAKE (Ryckaert et al. 1977), angular momentum is kept. With
   // those at predicted positions, pressure against cohesion would spin a drop faster and faster; pressure against
   // gravity does not spin anything, so without tension that cost is spared.
@@ -331,7 +340,7 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
         move += push * k.normal;
         k.impulse = push / h_;
       }
-      p.move[i].set(inv_mass * move);
+      p.move[i].set((mixture ? 1 / p.mass_of(i) : inv_mass) * move);
     }
   });
   c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {

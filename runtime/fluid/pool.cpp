@@ -66,8 +66,7 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(
 // the particles are pressed together like sand, and where nothing keeps them warm (pbf damps, artificial viscosity
 // does) they yield late. With pbf drops become round, with a first swing up to 1.7 times too fast, and do not swing on.
 void FluidPool::find_cohesion() {
-  const double sigma = desc.surface_tension, r = support,
-               n2 = 1 / (static_cast<double>(volume) * static_cast<double>(volume));
+  const double r = support, n2 = 1 / (static_cast<double>(volume) * static_cast<double>(volume));
   const double r4 = r * r * r * r, pi = 3.14159265358979323846;
   const double unit_tension =
       dimension == 2 ? n2 / 3 * r4 * cohesion_moment(3) : n2 * pi / 8 * r4 * r * cohesion_moment(4);
@@ -75,7 +74,8 @@ void FluidPool::find_cohesion() {
       dimension == 2 ? n2 * pi / 2 * r * r * r * cohesion_moment(2) : n2 * 2 * pi / 3 * r4 * cohesion_moment(3);
   FEDER_ASSERT(cohesion_moment(2) > cohesion_moment(3) && cohesion_moment(3) > cohesion_moment(4));
   const double measured = dimension == 2 ? 0.6 : 0.27;
-  const double force = sigma / (measured * unit_tension);
+  force_of_tension = static_cast<Real>(1 / (measured * unit_tension));
+  const double force = static_cast<double>(desc.surface_tension) / (measured * unit_tension);
   cohesion = static_cast<Real>(force);
   inward = static_cast<Real>(force * unit_pressure);
 }
@@ -91,6 +91,7 @@ void FluidPool::grow(std::uint32_t wanted) {
     if (!array->empty()) array->resize(room + 1);
   for (auto* array : {&residual, &allowed, &air, &shifts})
     if (!array->empty()) array->resize(room + 1);
+  if (!phase.empty()) phase.resize(room);
   isolated.resize(room), inside.resize(room), contact_first.resize(room + 1);
   lists.count.resize(room), lists.rounded.resize(room);
   lists.index.resize(static_cast<std::size_t>(room) * lists.stride + 8);
@@ -174,6 +175,7 @@ void FluidPool::sort_by_cell(JobPool& jobs, Real skin) {
   for (auto* array : {&origin, &script_force, &surface})
     if (!array->empty()) reorder(*array, swap4);
   reorder(id, swap_id);
+  if (!phase.empty()) reorder(phase, swap_id);
   if constexpr (kAsserts) validate_order();
 }
 

@@ -23,19 +23,20 @@ struct FluidPool {
   int dimension;
 
   // Constants of the particles.
-  Real support;        // of the kernel, m
-  Real volume;         // m^3 (2D: m^2): spacing^D
-  Real mass;           // kg
-  Real unit;           // weight of a particle in the density sum, m^D: the sum over a lattice at rest is 1
-  Real value_factor;   // unit * norm / support^D: from sums of value(u) to density over density at rest
-  Real slope_factor;   // unit * norm / support^(D+2): likewise from sums of slope(u) x to its gradient
-  Real own_value;      // what a particle adds to its own density
-  Real least_squares;  // lower bound of the squared gradients of a density, 1/m^2
-  Real viscous_scale;  // correction of viscosity, see pool.cpp
-  Real cohesion;       // largest force between two particles that gives the surface tension, N
-  Real inward;         // pressure inside that balances it, Pa
-  bool slips;          // no friction at the boundary
-  Real clearance;      // least distance of a particle from the boundary, m
+  Real support;           // of the kernel, m
+  Real volume;            // m^3 (2D: m^2): spacing^D
+  Real mass;              // kg
+  Real unit;              // weight of a particle in the density sum, m^D: the sum over a lattice at rest is 1
+  Real value_factor;      // unit * norm / support^D: from sums of value(u) to density over density at rest
+  Real slope_factor;      // unit * norm / support^(D+2): likewise from sums of slope(u) x to its gradient
+  Real own_value;         // what a particle adds to its own density
+  Real least_squares;     // lower bound of the squared gradients of a density, 1/m^2
+  Real viscous_scale;     // correction of viscosity, see pool.cpp
+  Real cohesion;          // largest force between two particles that gives the surface tension, N
+  Real force_of_tension;  // that over the tension, m
+  Real inward;            // pressure inside that balances it, Pa
+  bool slips;             // no friction at the boundary
+  Real clearance;         // least distance of a particle from the boundary, m
   const Kernel* kernel;
   const Sweeps* sweeps;
   std::unique_ptr<BoundaryTable> table;
@@ -72,6 +73,9 @@ struct FluidPool {
   std::uint64_t rest_key = 0;         // of what it rests against
   std::uint64_t faces_near = 0;       // number of the last step in which faces of sheets or nets were, set by couplings
   std::uint32_t group = 0;            // in the loop of fluid substeps of this substep; work
+  bool mixed = false;                 // solved as a part of a mixture now; work
+  bool touches = false;               // was, in this substep; likewise
+  bool layered = false;               // then: of those that touched, what is heavier lay below
   bool fresh = false;                 // filled since the last step
   bool warned_budget = false, warned_full = false, warned_viscosity = false;
   Real filled_width = 0;  // m, of a fill since the last step that was narrower than the spacing; 0: none
@@ -126,8 +130,20 @@ struct FluidPool {
   Array<FluidContactState> contact_states{&arena};  // by body of the boundary; sums in point and normal
   std::uint64_t ids_there = 0;  // of validate(): sum of id_key over the particles added and not removed
 
+  // Of a mixture (mixture.h): the fluids that are solved as one, and by particle which it is of. Else empty.
+  // The lightest one's density over the heaviest one's, which is desc.density: pressure moves it by so much more.
+  Real lightest = 1;
+  std::vector<FluidPool*> phases;
+  Array<std::uint32_t> phase{&arena};
+  std::vector<Real> pull;  // largest force between particles of two phases that gives their tension, N; by both
+
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
-  bool active() const { return count > 0 && !frozen && !asleep; }
+  bool active() const { return count > 0 && !frozen && !asleep && !mixed; }
+  bool is_mixture() const { return !phases.empty(); }
+  // Whose constants those of particle i are.
+  const FluidPool& fluid_of(std::uint32_t i) const { return phases.empty() ? *this : *phases[phase[i]]; }
+  Real mass_of(std::uint32_t i) const { return fluid_of(i).mass; }
+  Real pull_between(std::uint32_t a, std::uint32_t b) const { return pull[a * phases.size() + b]; }
   bool drowsy() const;                                    // asleep or about to
   void grow(std::uint32_t wanted);                        // outside steps; all arrays by particle
   void keep_origins();                                    // origin is kept from now on, and grows with the others
@@ -181,6 +197,7 @@ struct FluidPool {
   void each_missed(std::uint32_t i, const Boundary& boundary, F&& f) const;
 
   bool meets(const BoundaryShape& w) const { return (desc.group & w.mask) && (w.group & desc.mask); }
+  bool meets(const FluidPool& o) const { return (desc.group & o.desc.mask) && (o.desc.group & desc.mask); }
 };
 
 // Of a fluid over that of another or of a body, or the other way round.

@@ -64,8 +64,11 @@ void PressureSystem::prepare(JobPool& jobs) {
     p.images->build(p, *boundary_, jobs);
     const SweepInput in = p.sweep_input();
     const Real inv_mass = 1 / p.mass, rs = p.support * p.support * p.slope_factor * p.slope_factor;
+    const bool mixture = p.is_mixture();
+    if (mixture) weigh_by_lightness(p, jobs);
     jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
+      if (mixture) p.sweeps->squares_by(in, first, last, p.squares.data());
       for (std::uint32_t i = first; i < last; ++i) {
         const Vec3 open = p.slope_factor * p.move[i].vec() + p.images->gradient(i);
         Real shared = 0;
@@ -75,14 +78,23 @@ void PressureSystem::prepare(JobPool& jobs) {
           const Real slope = length(p.images->push(at).linear);
           shared += slope * std::max(b.contact_weight, slope) * b.response(p.x[i].vec(), p.contacts[at].normal);
         }
-        p.diagonal[i] =
-            inv_mass * std::max(p.least_squares, open.squaredNorm() + p.images->squares(i) + rs * p.squares[i]) +
-            shared;
+        // of a mixture: by the masses of both sides; those of images are taken for its own
+        const Real own = open.squaredNorm() + p.images->squares(i);
+        p.diagonal[i] = (mixture ? std::max(p.least_squares, own) / p.mass_of(i) + rs * p.squares[i]
+                                 : inv_mass * std::max(p.least_squares, own + rs * p.squares[i])) +
+                        shared;
         p.ratio[i] = p.value_factor * p.move[i].w + p.own_value + p.screen[i] + p.images->value(i);
         p.air[i] = p.table->air(length(open) * p.support);
       }
     });
   }
+}
+
+// Puts 1/mass into the weights of the positions, until the next ones.
+void PressureSystem::weigh_by_lightness(FluidPool& p, JobPool& jobs) {
+  jobs.for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 1 / p.mass_of(i);
+  });
 }
 
 // What the motion of the boundary adds to the growth of the ratio of particle i.
@@ -107,10 +119,14 @@ void PressureSystem::press(JobPool& jobs) {
     FluidPool& p = *pool;
     const SweepInput in = p.sweep_input();
     const Real inv_mass = 1 / p.mass;
+    const bool mixture = p.is_mixture();
     jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       p.sweeps->push(in, first, last, &p.move[0].x);
       p.sweeps->image_push(in, p.images->input(), first, last, &p.move[0].x);
-      for (std::uint32_t i = first; i < last; ++i) p.move[i].set(-inv_mass * p.slope_factor * p.move[i].vec());
+      for (std::uint32_t i = first; i < last; ++i) {
+        const Real lightness = mixture ? 1 / p.mass_of(i) : inv_mass;
+        p.move[i].set(-lightness * p.slope_factor * p.move[i].vec());
+      }
     });
     p.move[p.count] = {};
     if (!bodies_) continue;
@@ -226,17 +242,26 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
   return result;
 }
 
-PressureSystem::Result PressureSystem::solve_velocities(double tolerance, int most, JobPool& jobs) {
+void PressureSystem::start_velocities(JobPool& jobs) {
   bodies_ = true;
-  before_.clear();
-  boundary_moves_ = false;
-  for (const BoundaryBody& b : boundary_->bodies) {
-    before_.push_back({b.velocity, b.angular_velocity});
-    boundary_moves_ = boundary_moves_ || b.dynamic || !b.velocity.isZero(0) || !b.angular_velocity.isZero(0);
-  }
   each(jobs, [](FluidPool& p, std::uint32_t i) { p.next_weight[i] = p.lambda[i]; });
   press(jobs);
+  before_.clear(), started_.clear();
+  for (const BoundaryBody& b : boundary_->bodies) before_.push_back({b.velocity, b.angular_velocity});
   step(1, jobs);
+  for (const BoundaryBody& b : boundary_->bodies) started_.push_back({b.velocity, b.angular_velocity});
+}
+
+PressureSystem::Result PressureSystem::solve_velocities(double tolerance, int most, JobPool& jobs) {
+  bodies_ = true;
+  FEDER_ASSERT(before_.size() == boundary_->bodies.size());  // start_velocities() has pushed
+  boundary_moves_ = false;
+  for (std::size_t n = 0; n < before_.size(); ++n) {
+    const BoundaryBody& b = boundary_->bodies[n];
+    before_[n].velocity += b.velocity - started_[n].velocity;
+    before_[n].angular_velocity += b.angular_velocity - started_[n].angular_velocity;
+    boundary_moves_ = boundary_moves_ || b.dynamic || !b.velocity.isZero(0) || !b.angular_velocity.isZero(0);
+  }
   const Result r = solve(tolerance, most, jobs);
   // each body's impulse in one, from the multipliers
   for (std::size_t n = 0; n < before_.size(); ++n) {

@@ -16,7 +16,7 @@ namespace feder {
 
 class PressureSystem {
  public:
-  explicit PressureSystem(Arena& arena) : sums_(&arena), moved_(&arena), before_(&arena) {}
+  explicit PressureSystem(Arena& arena) : sums_(&arena), moved_(&arena), before_(&arena), started_(&arena) {}
 
   struct Result {
     int iterations = 0;
@@ -34,8 +34,10 @@ class PressureSystem {
     bool beyond = false;
   };
   Excess excess(FluidPool& p, Real bound, JobPool& jobs);
-  // Velocities `v`, from the multipliers in `lambda` on; allowed growth in `allowed`, 1/s, and `compliance` for each
-  // multiplier. Pushes bodies.
+  // The multipliers in `lambda` push particles and bodies; then other forces may, and then solve_velocities.
+  void start_velocities(JobPool& jobs);
+  // Velocities `v`, from those multipliers on; allowed growth in `allowed`, 1/s, and `compliance` for each multiplier.
+  // Pushes bodies.
   Result solve_velocities(double tolerance, int most, JobPool& jobs);
   // Displacements, in `extra`, of particles alone, from none; `allowed` is negative where the fluid is too dense.
   // Softened: each multiplier leaves some of the error.
@@ -59,6 +61,7 @@ class PressureSystem {
   void grow(JobPool& jobs, bool of_moved);  // G of that, softened, or of the state, to `sum`
   void step(Real size, JobPool& jobs);
   void clear_weights(JobPool& jobs);
+  static void weigh_by_lightness(FluidPool& p, JobPool& jobs);
   void find_residuals(JobPool& jobs);
   Result solve(double tolerance, int most, JobPool& jobs);
 
@@ -70,8 +73,9 @@ class PressureSystem {
   struct Motion {
     Vec3 velocity = Vec3::Zero(), angular_velocity = Vec3::Zero();
   };
-  Array<Motion> moved_;   // by body: of the direction
-  Array<Motion> before_;  // by body: of the start, with the impulses of the fluid's friction
+  Array<Motion> moved_;  // by body: of the direction
+  // By body: velocities without pressure; after start_velocities().
+  Array<Motion> before_, started_;
 };
 
 }  // namespace feder

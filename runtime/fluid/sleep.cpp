@@ -76,7 +76,8 @@ void Fluid::Impl::update_sleep(FluidPool& p, const RestSums& sums, StepContext& 
     return;
   }
   p.calm += c.dt;
-  if (p.calm < kRestTime) return;
+  // fluids that touch sleep together; the others may not have counted this step yet
+  if (p.calm < kRestTime || !all_calm(p, kRestTime - Real(1.5) * c.dt)) return;
   if (rest_key(p, c) == 0) return;
   p.asleep = true;
   for (std::uint32_t i = 0; i < p.count; ++i) p.v[i].set(Vec3::Zero());

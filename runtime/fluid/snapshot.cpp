@@ -7,7 +7,7 @@ namespace {
 template <class P, class F>
 void each_state(P& p, F&& f) {
   f(p.object), f(p.count), f(p.next_id), f(p.last_h), f(p.sound), f(p.excess), f(p.too_dense), f(p.unsolved),
-      f(p.frozen), f(p.asleep), f(p.calm), f(p.rest_center), f(p.rest_key), f(p.fresh);
+      f(p.frozen), f(p.asleep), f(p.calm), f(p.rest_center), f(p.rest_key), f(p.fresh), f(p.layered);
   f(p.warned_budget), f(p.warned_full), f(p.warned_viscosity), f(p.warned_spacing), f(p.warned_density),
       f(p.filled_width);
 }
@@ -39,7 +39,7 @@ void Fluid::save(Writer& w) const {
     w.add(!p->script_force.empty());
     for (std::uint32_t i = 0; i < p->count && !p->script_force.empty(); ++i) w.add(p->script_force[i]);
   }
-  w.list(impl_->emitters), w.list(impl_->drains);
+  w.list(impl_->emitters), w.list(impl_->drains), w.list(impl_->interfaces);
   w.add(impl_->lost);
 }
 
@@ -69,7 +69,7 @@ void Fluid::load(Reader& r) {
     p->crowded = kScriptWindow;
     m.pools.push_back(std::move(p));
   }
-  r.list(m.emitters), r.list(m.drains);
+  r.list(m.emitters), r.list(m.drains), r.list(m.interfaces);
   r.get(m.lost);
   *m.structure_changed = true;
 }

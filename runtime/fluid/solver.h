@@ -26,6 +26,8 @@ class FluidSolver {
   virtual Real pressure(const FluidPool& p, std::uint32_t i) const = 0;
   // True: a substep solves for the pressure, and bodies move with it; pools that press on one body form a group.
   virtual bool iterates() const { return false; }
+  // Of the densities of fluids that touch.
+  virtual Real most_density_ratio() const { return 1000; }
   // True: as stiff as `stiffness` says. Others are as stiff as `compression` or `tolerance` asks for.
   virtual bool takes_stiffness() const { return false; }
 
@@ -56,9 +58,15 @@ class FluidSolver {
 
 std::span<const Variant<FluidSolver>> fluid_solvers();
 
+// Bounds of the particles of a pool and of their supports in the coming substep. groups.cpp
+Aabb swept_bounds(const FluidPool& p, const StepContext& c);
+
 // Viscosity between particles and at the boundary, and surface tension, applied to velocities for h seconds; bodies
-// take the opposite impulses. Viscosity runs in rounds where stability requires them.
+// take the opposite impulses. Viscosity is implicit where it has to be (viscosity.cpp).
+bool needs_implicit_viscosity(const FluidPool& p, Real h);
 void add_viscosity(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
+// What makes the sum of Sweeps::viscous a Laplacian, times `by`.
+Real laplacian_factor(const FluidPool& p, Real by);
 void add_tension(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 // Takes noise out of what weighs, for h seconds. Without, still water goes on moving with the energy of its settling,
 // as a thermal bath: pressure takes none.

@@ -106,7 +106,9 @@ void Fluid::validate() const {
   for (std::size_t k = 0; k < m.solvers.size(); ++k) {
     if (!m.solvers[k]) continue;
     for (const FluidPool* p : m.solvers[k]->pools) {
-      FEDER_ASSERT(p->desc.solver == fluid_solvers()[k].name && &m.pool(p->object) == p);
+      FEDER_ASSERT(p->desc.solver == fluid_solvers()[k].name && !p->mixed);
+      if (p->is_mixture()) continue;
+      FEDER_ASSERT(&m.pool(p->object) == p);
       ++moved;
     }
   }

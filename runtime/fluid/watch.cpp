@@ -42,7 +42,7 @@ void Fluid::Impl::watch(FluidPool& p, double square, StepContext& c) {
   p.kinetic = 0.5 * static_cast<double>(p.mass) * square;
   const double mass = static_cast<double>(p.mass) * p.count, before = p.kinetic_before + quiet_energy(c) * mass;
   if (Watch::jumped(before, 0, p.kinetic)) {
-    const double found = given(p, c);
+    const double found = given(p, c) + given_by_others(p, c);
     if (Watch::jumped(before, found, p.kinetic))
       watched.suspects.push_back({Fluid::kName, p.object, before, p.kinetic, found, mass, pools.size() > 1, kCure});
   }

@@ -169,17 +169,18 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
 
   // step
   const Real others = std::max(speed, boundary_speed);
-  Real step = kCourant * length_unit / (sound + others);
+  const Real fastest = std::sqrt(1 / p.lightest);  // sound in the lightest fluid over that in the heaviest
+  Real step = kCourant * length_unit / (fastest * sound + others);
   step = std::min(step, g > 0 ? kForceLimit * std::sqrt(length_unit / g) : step);
   if (p.desc.surface_tension > 0)
-    step = std::min(step, Real(0.4) * std::sqrt(p.desc.density * length_unit * length_unit * length_unit /
+    step = std::min(step, Real(0.4) * std::sqrt(p.lightest * p.desc.density * length_unit * length_unit * length_unit /
                                                 (2 * kPi * p.desc.surface_tension)));
   const Real wanted = std::ceil(c.h / step);
   const int steps = static_cast<int>(std::min(std::max(Real(1), wanted), static_cast<Real>(p.desc.max_substeps)));
   if (wanted > static_cast<Real>(p.desc.max_substeps)) {
     // the speed of sound that max_substeps carry
     const Real carried =
-        std::max(kCourant * length_unit * static_cast<Real>(steps) / c.h - others, Real(0.1) * sound / 10);
+        std::max((kCourant * length_unit * static_cast<Real>(steps) / c.h - others) / fastest, Real(0.1) * sound / 10);
     if (!p.warned_budget) {
       p.warned_budget = true;
       const Real squeezed = compression_of(p) * (sound / carried) * (sound / carried);
@@ -245,8 +246,10 @@ void Wcsph::find_pressures(FluidPool& p, Real h, bool first, StepContext& c) {
   });
   p.find_ratios(*boundary, *c.jobs);
   const bool weighs = !p.weight(c.gravity).isZero(0);
-  const Real damper = first || !weighs ? Real(0) : kDamper * p.desc.density * p.sound * (p.support / 2) / h_;
-  const bool risen = first && p.sound_before > 0 && p.sound > p.sound_before;
+  const Real damper =
+      first || !weighs ? Real(0) : kDamper * std::sqrt(p.lightest) * p.desc.density * p.sound * (p.support / 2) / h_;
+  const bool mixture = p.is_mixture();
+  const bool risen = first && p.sound_before > 0 && (mixture ? p.sound != p.sound_before : p.sound > p.sound_before);
   const Real stay = p.settling / (p.settling + h);
   c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t begin, std::uint32_t end, int) {
     if (risen)
@@ -262,7 +265,7 @@ void Wcsph::find_pressures(FluidPool& p, Real h, bool first, StepContext& c) {
     for (std::uint32_t i = begin; i < end; ++i) {
       const Real r = std::min(ratio[i], kMaxRatio), full = tait(stiffness, r);
       const Real less = full > 0 ? stay * lambda[i] : Real(0);
-      FEDER_ASSERT(!(less > 0));
+      FEDER_ASSERT(!(less > 0) || mixture);
       lambda[i] = less;
       const Real damped = clamp(damper * (r - std::min(before[i], kMaxRatio)), -full, full);
       weight[i] = std::max(Real(0), full + less + damped) / (r * r);
@@ -275,24 +278,24 @@ void Wcsph::find_pressures(FluidPool& p, Real h, bool first, StepContext& c) {
 // velocity counts for its pose where forces are found next.
 void Wcsph::accelerate(FluidPool& p, Real h, Real lead, StepContext& c) {
   SweepInput in = p.sweep_input();
-  const Real density = p.desc.density, factor = -p.slope_factor / density;
+  const Real density = p.desc.density;
   in.damping = density * p.desc.artificial_viscosity * p.sound * p.support / 2;
-  const Vec3 gravity = p.desc.gravity_scale * c.gravity;
   const bool damped = in.damping > 0;
   const Real rebound = kMaxRebound * compression_of(p) * p.sound;
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     (damped ? p.sweeps->push_damped : p.sweeps->push)(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
-      Vec3 a = factor * p.move[i].vec() + gravity;
+      const FluidDesc& own = p.fluid_of(i).desc;
+      Vec3 a = -p.slope_factor / own.density * p.move[i].vec() + own.gravity_scale * c.gravity;
       for (BoundaryContact& k : p.contacts_of(i)) {
         FEDER_ASSERT(k.particle == i && h > 0);
         const Real d = k.distance(p.x[i].vec());
         // velocity relative to the body after this step without the push: limits the rebound
         const Vec3 off = p.v[i].vec() - boundary->body_of(k).velocity_at(p.x[i].vec()) + h * a;
         const Real most = std::max(Real(0), (rebound - dot(k.normal, off)) / h);
-        const Real push = std::min(most, p.x[i].w * p.table->at(d / p.support).slope / (p.support * density));
+        const Real push = std::min(most, p.x[i].w * p.table->at(d / p.support).slope / (p.support * own.density));
         a += push * k.normal;
-        k.impulse = push * p.mass * h;
+        k.impulse = push * p.mass_of(i) * h;
       }
       p.move[i].set(a);
     }

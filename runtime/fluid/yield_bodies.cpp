@@ -117,7 +117,7 @@ void yield_bodies(FluidPool& p, const Boundary& boundary, Real h, Real lead, Ste
     const Real by = static_cast<Real>(scale * row.stiffness * change);
     k.impulse += by;
     Row4& a = p.move[k.particle];
-    a.set(a.vec() + by / (p.mass * h) * k.normal);
+    a.set(a.vec() + by / (p.mass_of(k.particle) * h) * k.normal);
   }
 }
 

@@ -60,8 +60,12 @@ struct Sweeps {
   void (*push_from)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   // g x . (v_i - v_j), positive where they approach
   void (*growth)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
-  void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);     // cohesion(u) x / u
-  void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);    // see Kernel::radial_viscosity
+  void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);   // cohesion(u) x / u
+  void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // see Kernel::radial_viscosity
+  // Of mixtures: w_j (g u)^2; w_j times the term of cohere; the harmonic mean of w_i and w_j times that of viscous.
+  void (*squares_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
+  void (*cohere_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
+  void (*viscous_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   void (*images)(const SweepInput&, const ImageInput&, unsigned first, unsigned last);  // fills its outputs
   // What images add to growth and push: the sums of their gradients with velocities and weights.
   void (*image_growth)(const SweepInput&, const ImageInput&, unsigned first, unsigned last, WideReal* out);

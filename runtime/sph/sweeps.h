@@ -89,16 +89,45 @@ struct SweepsOf {
     });
   }
 
+  static void squares_by(const SweepInput& s, unsigned first, unsigned last, WideReal* out) {
+    const Lanes inv = all_lanes(s.inv_support);
+    for (unsigned i = first; i < last; ++i) {
+      const Four own = spread(s.points + 4ul * i);
+      Lanes sum = zero_lanes();
+      each_eight(s, i, [&](const unsigned* at) {
+        const Four other = gather(s.points, at);
+        const Pair p = pair(own, other, inv);
+        const Lanes gu = Gradient::slope(p.u) * p.u;
+        sum += other.w * gu * gu;
+      });
+      out[i] = total(sum);
+    }
+  }
+
   // Cohesion of Akinci, Akinci & Teschner 2013, eq. 2: attraction that is 1, its maximum, at half the support, and
-  // repulsion close by.
+  // repulsion close by. Over u.
+  [[gnu::always_inline]] static Lanes cohesion(Lanes u) {
+    const Lanes a = (all_lanes(1) - u) * u, a3 = all_lanes(64) * a * a * a;
+    const Lanes near = min(a3 - all_lanes(1), zero_lanes());  // below half the support: twice, less one
+    const LaneMask close = u < all_lanes(WideReal(0.5));
+    return (a3 + select(close, near, zero_lanes())) / max(u, all_lanes(WideReal(1e-3)));
+  }
+
   static void cohere(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
-    const Lanes inv = all_lanes(s.inv_support), tiny = all_lanes(WideReal(1e-3));
+    const Lanes inv = all_lanes(s.inv_support);
     sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
       const Pair p = pair(own, gather(s.points, at), inv);
-      const Lanes a = (all_lanes(1) - p.u) * p.u, a3 = all_lanes(64) * a * a * a;
-      const Lanes near = min(a3 - all_lanes(1), zero_lanes());  // below half the support: twice, less one
-      const LaneMask close = p.u < all_lanes(WideReal(0.5));
-      const Lanes f = (a3 + select(close, near, zero_lanes())) / max(p.u, tiny);
+      const Lanes f = cohesion(p.u);
+      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
+    });
+  }
+
+  static void cohere_by(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
+    const Lanes inv = all_lanes(s.inv_support);
+    sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
+      const Four other = gather(s.points, at);
+      const Pair p = pair(own, other, inv);
+      const Lanes f = other.w * cohesion(p.u);
       sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
     });
   }
@@ -110,6 +139,18 @@ struct SweepsOf {
       const Four vo = gather(s.velocity, at);
       const Pair p = pair(own, gather(s.points, at), inv);
       const Lanes vx = v.x - vo.x, vy = v.y - vo.y, vz = v.z - vo.z;
+      Laplacian::add(p, vx, vy, vz, soft, sum.x, sum.y, sum.z);
+    });
+  }
+
+  static void viscous_by(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
+    const Lanes inv = all_lanes(s.inv_support), soft = all_lanes(s.soft), tiny = all_lanes(WideReal(1e-30));
+    sum_vectors(s, first, last, out4, [&](unsigned i, const Four& own, const unsigned* at, Sum3& sum) {
+      const Four v = spread(s.velocity + 4ul * i);
+      const Four vo = gather(s.velocity, at), other = gather(s.points, at);
+      const Pair p = pair(own, other, inv);
+      const Lanes mean = all_lanes(2) * (own.w * other.w) / max(own.w + other.w, tiny);
+      const Lanes vx = mean * (v.x - vo.x), vy = mean * (v.y - vo.y), vz = mean * (v.z - vo.z);
       Laplacian::add(p, vx, vy, vz, soft, sum.x, sum.y, sum.z);
     });
   }
@@ -130,8 +171,8 @@ struct SweepsOf {
 
   static constexpr Sweeps table() {
     using Images = ImagesOf<Density, Gradient>;
-    return {values, slopes,  push,           push_damped,    push_from,      growth,
-            cohere, viscous, Images::images, Images::growth, Images::push_by};
+    return {values,  slopes,     push,      push_damped, push_from,      growth,         cohere,
+            viscous, squares_by, cohere_by, viscous_by,  Images::images, Images::growth, Images::push_by};
   }
 };
 

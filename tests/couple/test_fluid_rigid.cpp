@@ -131,7 +131,7 @@ TEST_CASE("a sensor tells once how many particles are in it, and once that none 
 TEST_CASE("a sensor of several parts says one number, for each of two fluids", "[couple][fluid][sensor]") {
   Watched w("pbf");
   FluidDesc d;
-  d.spacing = kSpacing;
+  d.solver = "pbf", d.spacing = kSpacing;
   const ObjectId oil = w.fluid().add_fluid(d);
   w.fluid().fill(oil, block(4, 1, 1, kSpacing, Vec3(0, 1, 0)), Vec3::Zero());
   const Pose left{Vec3(-1, 0, 0), Quat{}}, right{Vec3(1, 0, 0), Quat{}};

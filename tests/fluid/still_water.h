@@ -19,7 +19,7 @@ struct StillWater {
 
 struct StillWaterResult {
   double top = 0;  // largest height of a particle, by H + 2 d (wcsph: 1.01 H + 2 d)
-  // Largest speed once calm, by what is allowed: max(0.2 sqrt(g H), 2 g h of the inner substep); wcsph: 0.23.
+  // Largest speed once calm, by what is allowed: max(0.2 sqrt(g H), 2 g h of the inner substep); wcsph: 0.26.
   double speed = 0;
   double burst = -1;       // s, when either first went beyond; -1: never
   double warned = -1;      // s, of the first warning
@@ -41,7 +41,7 @@ inline StillWaterResult run_still_water(const StillWater& s) {
   // wcsph sinks into its compression, swings up as far, and deep columns swing for 6 s
   const bool swings = s.solver == "wcsph";
   const double highest = (swings ? 1.01 : 1) * height + 2 * s.spacing,
-               fastest = (swings ? 0.23 : 0.2) * std::sqrt(g * height);
+               fastest = (swings ? 0.26 : 0.2) * std::sqrt(g * height);
   add_tank(w, vec3(static_cast<Real>(width), 0, static_cast<Real>(width)));
   FluidDesc d;
   d.solver = s.solver, d.kernel = s.kernel, d.integrator = s.integrator, d.spacing = static_cast<Real>(s.spacing),

@@ -41,7 +41,7 @@ TEST_CASE("fluids of different spacing are warned of once, when they touch", "[f
   REQUIRE(warned.size() == 1);
   CHECK(warned[0] ==
         "fluid \"oil\" with a spacing of 0.1 m touches fluid \"water\" with 0.05: particles of different "
-        "size leave gaps or overlap; give both one spacing");
+        "size are not solved as one, and pass through each other; give both one spacing");
   CHECK(told(w, "density_ratio", 5).empty());
 }
 
@@ -66,8 +66,8 @@ TEST_CASE("a ratio of a million between densities is warned of once", "[fluid][m
     const auto warned = told(w, "density_ratio", 5);
     REQUIRE(warned.size() == 1);
     CHECK(warned[0] ==
-          "fluid \"gas\" with a density of 0.001 kg/m3 touches fluid \"water\" with 1000: a ratio of "
-          "more than 10000 throws the lighter one about; bring the densities nearer to each other");
+          "fluid \"gas\" with a density of 0.001 kg/m3 touches fluid \"water\" with 1000: with dfsph "
+          "a ratio of more than 1000 throws the lighter one about; bring the densities nearer to each other");
   }
   SECTION("of a body and a fluid") {
     BodyDesc b;

@@ -180,10 +180,10 @@ StillWaterResult in_map(StillWater s) {
   return run_still_water(s);
 }
 
-void map_of_still_water(int layers) {
+void map_of_still_water(int layers, const std::vector<double>& spacings = {0.001, 0.006, 0.0125, 0.05, 0.1}) {
   const std::string solver = any_fluid_solver();
   const bool iterates = counts_iterations(solver);
-  for (const double spacing : {0.001, 0.006, 0.0125, 0.05, 0.1})
+  for (const double spacing : spacings)
     for (const int substeps : {1, 4, 16})
       for (const int iterations : {1, 4, 8, 32}) {
         if (!iterates && iterations != 4) continue;
@@ -205,7 +205,10 @@ TEST_CASE("the map of still water, 8 layers", "[fluid][.][map8]") { map_of_still
 TEST_CASE("the map of still water, 25 layers", "[fluid][.][map25]") { map_of_still_water(25); }
 TEST_CASE("the map of still water, 50 layers", "[fluid][.][map50]") { map_of_still_water(50); }
 TEST_CASE("the map of still water, 100 layers", "[fluid][.][map100]") { map_of_still_water(100); }
-TEST_CASE("the map of still water, 200 layers", "[fluid][.][map200]") { map_of_still_water(200); }
+TEST_CASE("the map of still water, 200 layers", "[fluid][.][map200]") { map_of_still_water(200, {0.001, 0.006}); }
+TEST_CASE("the map of still water, 200 coarse layers", "[fluid][.][map200coarse]") {
+  map_of_still_water(200, {0.0125, 0.05, 0.1});
+}
 
 TEST_CASE("the map of still water in space", "[fluid][.][map3d]") {
   const std::string solver = any_fluid_solver();

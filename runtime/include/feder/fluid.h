@@ -1,7 +1,9 @@
 // Particle fluids: sets of particles with a solver each, fed by emitters, emptied by drains, contained by
-// boundaries (bodies, faces of cloths and nets, by couplings). Particles of different fluids do not interact. SI units;
-// densities kg/m^3, in dimension 2 kg/m^2. SceneError on impossible input, nothing changed. One thread at a time, that
-// of the world; queries that fill `out` replace its content.
+// boundaries (bodies, faces of cloths and nets, by couplings). Fluids whose groups and masks let them touch are solved
+// as one where they do, without mixing; they need one solver, kernel, integrator, search, support and wall_slip
+// (SceneError), and one spacing (else a warning where they meet). SI units; densities kg/m^3, in dimension 2 kg/m^2.
+// SceneError on impossible input, nothing changed. One thread at a time, that of the world; queries that fill `out`
+// replace its content.
 #pragma once
 #include <memory>
 #include <span>
@@ -129,6 +131,8 @@ class Fluid final : public System {
 
   ObjectId add_fluid(const FluidDesc& desc);
   void destroy_fluid(ObjectId fluid, std::string where);  // and its emitters and drains
+  // Tension between two fluids that may touch, N/m; without, the difference of their tensions.
+  void set_interface(ObjectId a, ObjectId b, Real tension);
 
   // Particles on a lattice of the fluid's spacing whose cells lie in the shape; how many. SceneError beyond
   // max_particles.
