@@ -10,7 +10,7 @@
 namespace feder::lua {
 namespace {
 
-struct FluidReading : FluidDesc {
+struct FluidReading : Making<FluidDesc> {
   Real kinematic = 0;  // m^2/s
 };
 
@@ -57,11 +57,13 @@ constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     field<&FluidDesc::iterations>("iterations", "", {1, 1000}),
     field<&FluidDesc::tolerance>("tolerance", "%", {1e-6, 100}),
+    field<&FluidDesc::negative_pressure>("negative_pressure", "atm", {0, 1}),
     field<&FluidDesc::max_substeps>("max_substeps", "", {1, 100000}),
     field<&FluidDesc::max_particles>("max_particles", "", {1, 134217728}),
     field<&FluidDesc::kill_height>("kill_height", "m").unset(),
     field<&FluidDesc::group>("group", "", kBits),
     field<&FluidDesc::mask>("mask", "", kBits),
+    special("color", "color", read_color<FluidReading>),
     later<FluidReading>("tags", kWordsType),
 };
 
@@ -158,7 +160,9 @@ std::vector<OptionInfo> drain_rows() { return describe_rows(kDrain); }
 
 ObjectId world_fluid(WorldRecord& r, lua_State* L) {
   const FluidReading fluid = read_description(L, r, kFluid);
-  return system_of<Fluid>(r).add_fluid(fluid);
+  const ObjectId id = system_of<Fluid>(r).add_fluid(fluid);
+  if (fluid.painted) r.appearance.colors[id] = fluid.color;
+  return id;
 }
 
 void world_interface(WorldRecord& r, lua_State* L) {

@@ -21,7 +21,8 @@
 // spots: a lattice that a flow stirs loses energy as it breaks up, and in more substeps than it needs, in which it is
 // stiffer (kStiffness), a flow loses more (scenes/study/taylor_green.lua); slow flow over many spacings, for which what
 // a solve leaves is much, swings about its course (scenes/study/poiseuille.lua: by 1 to 8 % of its speed, of the other
-// solvers 1 to 2 %); the kernel "cubic" shortens the period of waves; pressure does not pull.
+// solvers 1 to 2 %); the kernel "cubic" shortens the period of waves; pressure pulls only where
+// negative_pressure says so, and water that it pulls on goes on moving a little.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -47,6 +48,11 @@ constexpr Real kCarriedLoad = 1;  // g h^2 H / d^2: how far, in spacings, the pr
 constexpr Real kMostRebound = Real(0.01);     // of the density ratio, that velocities take back in a substep
 constexpr Real kLoosest = Real(0.01);         // of the tolerances that are used: with looser ones water boils
 constexpr Real kStiffness = 20;               // least (c h / d)^2, c the speed of sound
+constexpr Real kAtmosphere = 101325;          // Pa
+constexpr Real kOpen = Real(0.15);            // share of the kernel in the air, from which on there is no suction
+constexpr Real kRepulsion = Real(0.3);        // of the suction, between particles a spacing apart
+constexpr Real kSpread = Real(0.06);          // of the gradient of the density ratio times the squared support
+constexpr Real kMostSpread = Real(0.1);       // spacings
 constexpr Real kMaxShift = Real(0.5);         // spacings, of a displacement
 constexpr double kMissed = 10;                // times the tolerance: errors that are worth a warning
 constexpr Real kBudgetPatience = Real(0.25);  // s, for which a solve fails before a warning: splashes pass
@@ -85,6 +91,9 @@ class Dfsph final : public FluidSolver {
   void check_budget(StepContext& c);
   Real wanted_steps(FluidPool& p, const StepContext& c) const;
   void find_compliance(FluidPool& p) const;
+  void find_suction(FluidPool& p, std::uint32_t i) const;
+  void keep_apart(FluidPool& p, StepContext& c) const;
+  void spread(FluidPool& p, StepContext& c) const;
   static Real tolerance(const FluidPool& p) { return std::min(p.desc.tolerance / 100, kLoosest); }
   // Of a typical particle in a substep, in spacings.
   Real travel(const FluidPool& p) const { return h_ * p.pace / p.desc.spacing; }
@@ -155,6 +164,14 @@ void Dfsph::find_compliance(FluidPool& p) const {
   p.compliance = 1 / (h_ * h_ * p.mass * sound2);
 }
 
+// Within the fluid, not at its surface, pressure may pull, and then densities are kept from falling as well.
+void Dfsph::find_suction(FluidPool& p, std::uint32_t i) const {
+  const Real inside = clamp(1 - p.air[i] / kOpen, 0, 1);
+  p.least[i] = -inside * p.fluid_of(i).desc.negative_pressure * kAtmosphere * h_ * p.volume;
+  p.lambda[i] = std::max(p.lambda[i], p.least[i]);
+  if (inside > 0) p.allowed[i] = clamp(1 - p.ratio[i], -kMostRebound, kMostRebound) / h_;
+}
+
 // Of the growth of the density in a substep. Where there is no room, noise would feed on what is left.
 double Dfsph::velocity_tolerance(const FluidPool& p) const {
   const double whole = static_cast<double>(tolerance(p)), least = kLeastGrowth * whole;
@@ -222,6 +239,7 @@ void Dfsph::correct_velocities(StepContext& c) {
             p.ratio[i] > 1 ? std::max(1 - p.ratio[i], -kMostRebound) : std::max(Real(0), 1 - p.air[i] - p.ratio[i]);
         p.allowed[i] = room / h_;
         p.lambda[i] *= scale;
+        if (!p.least.empty()) find_suction(p, i);
         p.v[i].set(p.v[i].vec() + h_ * p.fluid_of(i).desc.gravity_scale * c.gravity);
       }
     });
@@ -229,6 +247,7 @@ void Dfsph::correct_velocities(StepContext& c) {
     if (travel(p) <= kLivelyTravel) damp_still_noise(p, h_, c);
     if (p.desc.viscosity > 0 && !needs_implicit_viscosity(p, h_)) add_viscosity(p, *boundary, h_, c);
     if (p.desc.surface_tension > 0) add_tension(p, *boundary, h_, c);
+    if (!p.least.empty()) keep_apart(p, c);
     p.last_h = h_;
     ++p.steps;
   });
@@ -246,8 +265,46 @@ void Dfsph::correct_velocities(StepContext& c) {
   });
 }
 
+// Under suction particles cluster and leave holes (Swegle, Hicks & Attaway 1995). Two things together prevent that,
+// each alone loses a siphon within a second: close pairs repel each other by a share of it (Monaghan 2000) ...
+void Dfsph::keep_apart(FluidPool& p, StepContext& c) const {
+  SweepInput in = p.sweep_input();
+  const double at_rest = p.kernel->density.value(p.dimension, static_cast<double>(p.desc.spacing / p.support));
+  in.near = static_cast<Real>(p.kernel->norm_density[p.dimension - 2] / at_rest);
+  const auto weigh = [&](Real by) {
+    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = by * std::max(-p.lambda[i], Real(0));
+    });
+  };
+  weigh(kRepulsion);
+  c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    p.sweeps->push_near(in, first, last, &p.move[0].x);
+    for (std::uint32_t i = first; i < last; ++i)
+      p.v[i].set(p.v[i].vec() - p.slope_factor / p.mass_of(i) * p.move[i].vec());
+  });
+  weigh(0);
+}
+
+// ... and particles are shifted to where there are fewer (Lind, Xu, Stansby & Rogers 2012).
+void Dfsph::spread(FluidPool& p, StepContext& c) const {
+  const SweepInput in = p.sweep_input();
+  const Real by = kSpread * p.support * p.support, most = kMostSpread * p.desc.spacing;
+  c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
+    for (std::uint32_t i = first; i < last; ++i) {
+      const Vec3 denser = by * (p.slope_factor * p.move[i].vec() + p.images->gradient(i));
+      const Real far = length(denser);
+      p.move[i].set(p.least[i] < 0 ? Vec3((far > most ? most / far : Real(1)) * denser) : Vec3(Vec3::Zero()));
+    }
+  });
+  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) p.x[i].set(p.x[i].vec() - p.move[i].vec());
+  });
+}
+
 void Dfsph::move(StepContext& c) {
   each(c, [&](FluidPool& p) {
+    if (!p.least.empty()) spread(p, c);
     c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       for (std::uint32_t i = first; i < last; ++i) p.x[i].set(p.x[i].vec() + h_ * p.v[i].vec());
     });

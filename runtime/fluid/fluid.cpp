@@ -32,6 +32,11 @@ void check_desc(const FluidDesc& d) {
   need(d.stiffness >= 0 && is_finite(d.stiffness), "stiffness", "a finite number, 0 or more", d.stiffness);
   need(d.iterations >= 1 && d.iterations <= 1000, "iterations", "1 to 1000", d.iterations);
   need(d.tolerance > 0 && d.tolerance <= 100, "tolerance", "above 0, to 100 per cent", d.tolerance);
+  need(d.negative_pressure >= 0 && d.negative_pressure <= 1, "negative_pressure", "0 to 1 atmospheres",
+       d.negative_pressure);
+  if (d.negative_pressure > 0 && d.solver != "dfsph")
+    throw SceneError("fluid: negative_pressure: expected 0 with solver \"" + d.solver +
+                     "\", which cannot tell suction from a free surface; take \"dfsph\"");
   need(d.compression >= 0 && d.compression <= Real(0.5), "compression", "0 to 0.5", d.compression);
   need(d.artificial_viscosity >= 0 && d.artificial_viscosity <= 10, "artificial_viscosity", "0 to 10",
        d.artificial_viscosity);

@@ -89,7 +89,7 @@ void FluidPool::grow(std::uint32_t wanted) {
   for (auto* array : {&id, &order, &swap_id}) array->resize(room);
   for (auto* array : {&origin, &listed_at, &script_force, &surface})
     if (!array->empty()) array->resize(room + 1);
-  for (auto* array : {&residual, &allowed, &air, &shifts})
+  for (auto* array : {&residual, &allowed, &air, &shifts, &least})
     if (!array->empty()) array->resize(room + 1);
   if (!phase.empty()) phase.resize(room);
   isolated.resize(room), inside.resize(room), contact_first.resize(room + 1);
@@ -114,6 +114,7 @@ void FluidPool::keep_script_forces() {
 void FluidPool::keep_solved() {
   for (auto* array : {&residual, &allowed, &air, &shifts})
     if (array->empty()) array->resize(x.size());
+  if (desc.negative_pressure > 0 && least.empty()) least.resize(x.size());
   if (!images) images = std::make_unique<BoundaryImages>(arena);
 }
 

@@ -109,7 +109,8 @@ struct FluidPool {
   // dfsph, these four empty until it asks for them: growth of densities, less what is allowed; what is allowed; share
   // of the kernel that lies in the air; multipliers of displacements.
   Array<Real> residual{&arena}, allowed{&arena}, air{&arena}, shifts{&arena};
-  Array<Real> next_weight{&arena};       // becomes the weight in x before the next sweep
+  Array<Real> least{&arena};        // dfsph with negative_pressure: lower bounds of the multipliers, else empty; work
+  Array<Real> next_weight{&arena};  // becomes the weight in x before the next sweep
   Array<std::uint8_t> isolated{&arena};  // 1: meets no other particle in this substep, see components.h
   Array<std::uint8_t> inside{&arena};    // work of project_out: 1: the boundary has to move it
   Array<std::uint32_t> order{&arena};

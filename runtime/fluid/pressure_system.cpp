@@ -190,7 +190,12 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
   double count = 0, length = kFirstStep;
   for (const FluidPool* p : pools_) count += p->count;
   // under pressure, or about to be
-  const auto active = [this](FluidPool& p, std::uint32_t i) { return multipliers(p)[i] > 0 || p.residual[i] > 0; };
+  const auto least = [this](const FluidPool& p, std::uint32_t i) {
+    return bodies_ && !p.least.empty() ? p.least[i] : Real(0);
+  };
+  const auto active = [&](FluidPool& p, std::uint32_t i) {
+    return multipliers(p)[i] > least(p, i) || p.residual[i] > 0;
+  };
   const auto restart = [&] {
     each(jobs, [&](FluidPool& p, std::uint32_t i) {
       p.next_weight[i] = active(p, i) ? p.residual[i] / p.diagonal[i] : Real(0);
@@ -206,7 +211,7 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
     if (result.error <= tolerance || result.iterations >= most) break;
     // the step that would be taken, up to the bounds
     each(jobs, [&](FluidPool& p, std::uint32_t i) {
-      p.next_weight[i] = std::max(-multipliers(p)[i], static_cast<Real>(length) * p.next_weight[i]);
+      p.next_weight[i] = std::max(least(p, i) - multipliers(p)[i], static_cast<Real>(length) * p.next_weight[i]);
     });
     press(jobs), grow(jobs, true);
     ++result.iterations;
@@ -214,7 +219,7 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
       const double w = static_cast<double>(p.next_weight[i]);
       t.descent += w * static_cast<double>(p.residual[i]);
       t.curvature -= w * static_cast<double>(p.sum[i]);
-      if (w < 0) t.room = std::min(t.room, static_cast<double>(multipliers(p)[i]) / -w);
+      if (w < 0) t.room = std::min(t.room, static_cast<double>(multipliers(p)[i] - least(p, i)) / -w);
     });
     if (!(s.descent > 0) || !(s.curvature > 0)) {
       if (fresh) break;
@@ -227,7 +232,7 @@ PressureSystem::Result PressureSystem::solve(double tolerance, int most, JobPool
     step(size, jobs);
     const Sums t = sum(jobs, [&](FluidPool& p, std::uint32_t i, Sums& g) {
       Real& l = multipliers(p)[i];
-      l = std::max(Real(0), l + size * p.next_weight[i]);
+      l = std::max(least(p, i), l + size * p.next_weight[i]);
       p.residual[i] += size * p.sum[i];
       if (active(p, i))
         g.conjugate -= static_cast<double>(p.residual[i] / p.diagonal[i]) * static_cast<double>(p.sum[i]);

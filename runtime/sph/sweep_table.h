@@ -14,6 +14,7 @@ struct SweepInput {
   WideReal inv_support = 0;  // 1/m
   WideReal soft = 0;         // m^2, keeps 1/r^2 finite
   WideReal damping = 0;      // of push_damped
+  WideReal near = 0;         // of push_near: 1 / value(u) at the distance at rest
 };
 
 // Eight particles whose images particle i sees, and which see its images: gradients of a density by a position, over
@@ -58,6 +59,8 @@ struct Sweeps {
   void (*push_damped)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // the same, with damping
   // (w_i + w_j) g y, with y = y_i - y_j for other positions y, given instead of the velocities
   void (*push_from)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
+  // push, times the fourth power of in.near value(u): of close pairs
+  void (*push_near)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   // g x . (v_i - v_j), positive where they approach
   void (*growth)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
   void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);   // cohesion(u) x / u

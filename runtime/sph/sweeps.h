@@ -64,6 +64,17 @@ struct SweepsOf {
     });
   }
 
+  static void push_near(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
+    const Lanes inv = all_lanes(s.inv_support), near = all_lanes(s.near);
+    sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
+      const Four other = gather(s.points, at);
+      const Pair p = pair(own, other, inv);
+      const Lanes r = min(near * Density::value(p.u), all_lanes(2)), r2 = r * r;
+      const Lanes f = Gradient::slope(p.u) * (own.w + other.w) * r2 * r2;
+      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
+    });
+  }
+
   static void push_from(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support);
     sum_vectors(s, first, last, out4, [&](unsigned i, const Four& own, const unsigned* at, Sum3& sum) {
@@ -171,7 +182,7 @@ struct SweepsOf {
 
   static constexpr Sweeps table() {
     using Images = ImagesOf<Density, Gradient>;
-    return {values,  slopes,     push,      push_damped, push_from,      growth,         cohere,
+    return {values,  slopes,     push,      push_damped, push_from,      push_near,      growth,         cohere,
             viscous, squares_by, cohere_by, viscous_by,  Images::images, Images::growth, Images::push_by};
   }
 };

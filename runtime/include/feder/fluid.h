@@ -46,6 +46,7 @@ struct FluidDesc {
   Real stiffness = 0;                   // bulk modulus, Pa; 0: as stiff as the solver can make it
   int iterations = 4;                   // pbf, per substep
   Real tolerance = Real(0.1);           // dfsph, mean error of the density, per cent
+  Real negative_pressure = 0;           // dfsph: suction that it bears, in atmospheres, 0 to 1
   Real compression = 0;                 // wanted: wcsph at the largest pressure, pbf mean; 0: wcsph 0.01, pbf 0.05
   Real artificial_viscosity = 0;        // wcsph, alpha of Monaghan
   std::string integrator = "leapfrog";  // wcsph: or "symplectic_euler"
@@ -60,8 +61,8 @@ struct FluidDesc {
   static void each_field(D& d, F&& f) {
     f(d.name), f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.wall_slip), f(d.surface_tension), f(d.solver),
         f(d.kernel);
-    f(d.neighbors), f(d.support), f(d.stiffness), f(d.iterations), f(d.tolerance), f(d.compression),
-        f(d.artificial_viscosity), f(d.integrator);
+    f(d.neighbors), f(d.support), f(d.stiffness), f(d.iterations), f(d.tolerance), f(d.negative_pressure),
+        f(d.compression), f(d.artificial_viscosity), f(d.integrator);
     f(d.max_substeps), f(d.max_particles), f(d.gravity_scale), f(d.kill_height), f(d.group), f(d.mask);
   }
 };
