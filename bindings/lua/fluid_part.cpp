@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "fluid/liquid_surface.h"
 #include "lua/buffer.h"
 #include "lua/yaml_scene.h"
 
@@ -98,12 +99,17 @@ int fluid_height_at(lua_State* L) {
   return asked(f).height_at(f.id, x, z, y) ? push(L, y) : push(L, nullptr);
 }
 
+// Nine numbers a triangle: its corners, counterclockwise as seen from outside.
 int fluid_surface(lua_State* L) {
   const Liquid f(L);
-  std::vector<Vec3> x, n;
-  asked(f).surface(f.id, x, n);
-  push_vectors(L, x);
-  push(L, x.size());
+  std::vector<Vec3> x, corners;
+  f.system.positions(f.id, x);
+  IsoMesh mesh;
+  LiquidSurface().build(x, f.system.desc(f.id).spacing, false, mesh);
+  for (const std::uint32_t v : mesh.triangles) corners.push_back(mesh.vertices[v]);
+  charge(L, x.size());
+  push_vectors(L, corners);
+  push(L, corners.size() / 3);
   return 2;
 }
 
@@ -165,7 +171,8 @@ const Method kFluidMethods[] = {
      "momentum over extent",
      flux_rows},
     {"height_at", guard<fluid_height_at>, "fluid:height_at(x, z) -> y", "of the free surface, or nil"},
-    {"surface", guard<fluid_surface>, "fluid:surface([buffer]) -> buffer, count", "particles at the surface"},
+    {"surface", guard<fluid_surface>, "fluid:surface([buffer]) -> buffer, count",
+     "of the liquid as triangles: nine numbers each, counterclockwise from outside; and how many"},
     {"mass", method<fluid_mass>, "fluid:mass() -> number, number", "of all, and of one particle, kg"},
     {"volume", method<fluid_volume>, "fluid:volume() -> number",
      "mass over density, which counts as that at rest where it is less, m3"},

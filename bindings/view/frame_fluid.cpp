@@ -1,11 +1,16 @@
-// Fluids: particles as balls that touch at rest, coloured by speed, density or pressure as the toggles say.
+// Fluids: in space the surface of the liquid (fluid/liquid_surface.h), else, or as the toggles say, particles as balls
+// that touch at rest, coloured by speed, density or pressure. Beyond kMostLiquid particles balls are cheaper, and
+// drawn.
 #include <algorithm>
 
 #include "feder/fluid.h"
+#include "fluid/liquid_surface.h"
 #include "view/collector.h"
 
 namespace feder::view {
 namespace {
+
+constexpr std::size_t kMostLiquid = 150'000;  // 30 ms of one core
 
 class FluidSource final : public FrameSource {
  public:
@@ -22,6 +27,13 @@ class FluidSource final : public FrameSource {
     const float radius = 0.5f * static_cast<float>(fluid.desc(id).spacing);
     Bounds b;
     const std::optional<Color> own = c.own_color(id);
+    if (c.toggles.liquid && c.toggles.meshes && f.dimension == 3 && x_.size() <= kMostLiquid) {
+      for (const Vec3& x : x_) b.include(to_float3(x), radius);
+      add_bounds(f, b);
+      surface_.build(x_, fluid.desc(id).spacing, false, mesh_);
+      if (!mesh_.triangles.empty()) add_mesh(f, id, own.value_or(rgb(0x3b7dbb)), mesh_.vertices, mesh_.triangles);
+      return;
+    }
     PointGroup group = begin_points(f, id, own.value_or(rgb(0x3b7dbb)));
     value_.assign(x_.size(), 0);
     if (!own) values(c, fluid, id, group);
@@ -63,6 +75,8 @@ class FluidSource final : public FrameSource {
   std::vector<Vec3> x_, v_;
   std::vector<Real> number_;
   std::vector<float> value_, sorted_;
+  LiquidSurface surface_;
+  IsoMesh mesh_;
 };
 
 }  // namespace

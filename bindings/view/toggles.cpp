@@ -13,6 +13,8 @@ std::span<const ToggleInfo> toggle_list() {
       {"shapes", "rigid bodies", &Toggles::shapes},
       {"meshes", "faces of nets, cloth and fluid surfaces", &Toggles::meshes},
       {"points", "net points and fluid particles", &Toggles::points},
+      {"liquid", "fluids by their surface; without, or when points are coloured by a quantity, by particles",
+       &Toggles::liquid},
       {"springs", "springs, coloured by strain", &Toggles::springs},
       {"sensors", "sensors, translucent", &Toggles::sensors},
       {"joints", "joints: anchors and axes", &Toggles::joints},
@@ -56,7 +58,7 @@ void set_toggles(Toggles& toggles, std::string_view list) {
     if (number < toggle_list().size())
       toggles.*toggle_list()[number].field = on;
     else
-      toggles.point_scalar = on ? point_scalars()[number - toggle_list().size()] : "none";
+      toggles.point_scalar = on ? point_scalars()[number - toggle_list().size()] : "none", toggles.liquid = !on;
   }
 }
 

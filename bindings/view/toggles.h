@@ -10,6 +10,7 @@ struct Toggles {
   bool shapes = true;   // rigid bodies
   bool meshes = true;   // faces of nets, cloth, fluid surfaces
   bool points = true;   // net points with a radius, fluid particles
+  bool liquid = true;   // fluids in space by their surface; else by their particles
   bool springs = true;  // coloured by strain
   bool sensors = true;  // translucent
   bool joints = false;

@@ -124,25 +124,6 @@ std::uint32_t Fluid::count_inside(ObjectId id, const Shape& shape, const Pose& p
   return n;
 }
 
-void Fluid::surface(ObjectId id, std::vector<Vec3>& points, std::vector<Vec3>& normals) {
-  constexpr Real kSurface =
-      Real(0.45);  // least gradient of the colour field times support; flat surfaces have about 1.3
-  FluidPool& p = impl_->pool(id);
-  const Impl::KeptRatios kept(p);
-  impl_->refresh(p);
-  points.clear(), normals.clear();
-  if (p.count == 0) return;
-  p.sweeps->slopes(p.sweep_input(), 0, p.count, &p.move[0].x, p.squares.data());
-  for (const std::uint32_t i : impl_->by_id(p)) {
-    Vec3 n = p.slope_factor * p.move[i].vec();
-    for (const BoundaryContact& k : p.contacts_of(i))
-      n -= p.table->at(k.distance(p.x[i].vec()) / p.support).colour / p.support * k.normal;
-    if (length(n) * p.support < kSurface) continue;
-    points.push_back(p.x[i].vec());
-    normals.push_back(normalized_or(-n, vec3(0, 1, 0)));
-  }
-}
-
 void Fluid::clear_contact_states() {
   for (auto& p : impl_->pools) std::fill(p->contact_states.begin(), p->contact_states.end(), FluidContactState{});
 }

@@ -220,7 +220,6 @@ TEST_CASE("questions change nothing", "[fluid]") {
     FluidDesc d;
     d.solver = solver;
     const ObjectId id = add_water(w, d, vec3(Real(0.4), Real(0.5), 0));
-    std::vector<Vec3> points, normals;
     std::vector<Real> pressures;
     for (int k = 0; k < 40; ++k) {
       w.step();
@@ -229,7 +228,6 @@ TEST_CASE("questions change nothing", "[fluid]") {
       double mean = 0, most = 0;
       f.density_error(id, mean, most);
       f.pressures(id, pressures);
-      f.surface(id, points, normals);
       f.sample(id, vec3(Real(0.2), Real(0.1), 0));
       f.clumping(id);
     }

@@ -176,7 +176,6 @@ class Fluid final : public System {
   FluidFlux flux(ObjectId fluid, const Vec3& lo, const Vec3& hi) const;
   // Height of the free surface at (x, z): where the smoothed fluid begins, from above. False where there is none.
   bool height_at(ObjectId fluid, Real x, Real z, Real& y);
-  void surface(ObjectId fluid, std::vector<Vec3>& points, std::vector<Vec3>& normals);  // particles at the surface
   // Particles whose middle lies in the shape, when the filters let them collide.
   std::uint32_t count_inside(ObjectId fluid, const Shape& shape, const Pose& pose, std::uint32_t group,
                              std::uint32_t mask) const;
