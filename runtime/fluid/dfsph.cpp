@@ -78,6 +78,7 @@ class Dfsph final : public FluidSolver {
     return p.ratio[i] * p.ratio[i] * p.lambda[i] / (p.last_h * p.volume) - p.inward;
   }
   bool iterates() const override { return true; }
+  bool bears_suction() const override { return true; }
 
  private:
   void choose_steps(StepContext& c);

@@ -34,9 +34,6 @@ void check_desc(const FluidDesc& d) {
   need(d.tolerance > 0 && d.tolerance <= 100, "tolerance", "above 0, to 100 per cent", d.tolerance);
   need(d.negative_pressure >= 0 && d.negative_pressure <= 1, "negative_pressure", "0 to 1 atmospheres",
        d.negative_pressure);
-  if (d.negative_pressure > 0 && d.solver != "dfsph")
-    throw SceneError("fluid: negative_pressure: expected 0 with solver \"" + d.solver +
-                     "\", which cannot tell suction from a free surface; take \"dfsph\"");
   need(d.compression >= 0 && d.compression <= Real(0.5), "compression", "0 to 0.5", d.compression);
   need(d.artificial_viscosity >= 0 && d.artificial_viscosity <= 10, "artificial_viscosity", "0 to 10",
        d.artificial_viscosity);
@@ -146,6 +143,9 @@ ObjectId Fluid::add_fluid(const FluidDesc& desc) {
   Impl& m = *impl_;
   auto p = std::make_unique<FluidPool>(m.arena, desc, m.dimension);
   m.check_suits(*p);
+  if (desc.negative_pressure > 0 && !m.solver_of(*p).bears_suction())
+    throw SceneError("fluid: negative_pressure: expected 0 with solver \"" + desc.solver +
+                     "\", which cannot tell suction from a free surface; take the default solver");
   p->object = m.objects.add(kFluidKind, static_cast<std::uint32_t>(m.pools.size()), desc.name, desc.tags);
   m.solver_of(*p).keep(*p);
   m.pools.push_back(std::move(p));

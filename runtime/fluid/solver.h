@@ -28,6 +28,8 @@ class FluidSolver {
   virtual bool iterates() const { return false; }
   // Of the densities of fluids that touch.
   virtual Real most_density_ratio() const { return 1000; }
+  // True: negative_pressure counts.
+  virtual bool bears_suction() const { return false; }
   // True: as stiff as `stiffness` says. Others are as stiff as `compression` or `tolerance` asks for.
   virtual bool takes_stiffness() const { return false; }
 
