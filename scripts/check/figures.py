@@ -30,7 +30,7 @@ FLUIDS = (("hydrostatic", "pressure rho g (H - z)"), ("dam_break", "Martin & Moy
           ("draught", "Archimedes"), ("poiseuille", "start-up series"), ("droplet", "Lamb's half period"),
           ("slosh", "period of potential theory"), ("u_tube", "Newton's period"), ("vessels", "level of the volume"),
           ("torricelli", "v^2 = 2 g h"), ("couette", "start-up series"), ("taylor_green", "decay of the energy"),
-          ("added_mass", "g (1 - s) / (s + C)"))
+          ("two_layer", "Lamb's internal wave"), ("added_mass", "g (1 - s) / (s + C)"))
 # problem, substeps, reference
 CLOTHS = (("hanging_sheet", 16, "closed form"), ("catenary", 16, "closed form"), ("cantilever", 32, "elastica"),
           ("drape", 8, "self-refined run"))

@@ -34,6 +34,7 @@ const std::map<std::string, std::string> kRungs = {
     {"torricelli", "substeps:2,4"},
     {"couette", "substeps:2,4"},
     {"taylor_green", "substeps:2,4"},
+    {"two_layer", "substeps:2,4 --set t_end=2.5"},
     {"added_mass", "substeps:2,4"},
 };
 

@@ -229,6 +229,48 @@ TEST_CASE("mistakes name what was expected, and leave the world as it was", "[lu
   CHECK(output_of("pcall(world.fluid, world, { spacing = -1 }) print(world:report().fluids)") == "0\n");
 }
 
+TEST_CASE("fluids that may touch agree on how they are solved, and on the tension between them", "[lua][fluid]") {
+  CHECK(
+      output_of(kWater + R"(
+    local oil = world:fluid{ name = 'oil', spacing = 0.1, density = 900, color = 'gold' }
+    local other = world:fluid{ name = 'other', spacing = 0.1, group = 2, mask = 2, solver = 'pbf' }
+    world:interface{ water, oil, tension = 0.05 }
+    local function says(f) print((select(2, pcall(f)))) end
+    says(function() world:fluid{ name = 'wine', spacing = 0.1, solver = 'pbf' } end)
+    says(function() world:interface{ water, water, tension = 1 } end)
+    says(function() world:interface{ water, other, tension = 1 } end)
+    says(function() world:interface{ water, oil, tension = -1 } end)
+    says(function() world:interface{ water, oil } end)
+    says(function() world:interface{ water, 3, tension = 1 } end)
+    says(function() world:fluid{ negative_pressure = 2 } end)
+  )") ==
+      "test.lua:6: world:fluid: solver: expected \"dfsph\", that of fluid \"water\", got \"pbf\" for 'wine': fluids "
+      "that "
+      "may touch are solved as one; give both one solver, or groups and masks that keep them apart\n"
+      "test.lua:7: world:interface: expected two fluids, got fluid \"water\" twice\n"
+      "test.lua:8: world:interface: expected fluids that may touch, but groups and masks of fluid \"water\" and fluid "
+      "\"other\" keep them apart\n"
+      "test.lua:9: world:interface.tension: expected a number of at least 0, got -1\n"
+      "test.lua:10: world:interface.tension: expected a number, 0 or more, got nothing\n"
+      "test.lua:11: world:interface[2]: expected a fluid, got 3\n"
+      "test.lua:12: world:fluid.negative_pressure: expected a number from 0 to 1, got 2\n");
+}
+
+TEST_CASE("the surface of a fluid comes as triangles", "[lua][fluid]") {
+  CHECK(output_of(kWater + R"(
+    water:fill{ box = { {0, 0, 0}, {0.6, 0.6, 0.6} } }
+    local buffer, count = water:surface()
+    print(#buffer == 9 * count, count > 300)
+    local volume = 0
+    for t = 0, count - 1 do
+      local c = {}
+      for k = 1, 9 do c[k] = buffer[9 * t + k] end
+      volume = volume + (c[1] * (c[5] * c[9] - c[6] * c[8]) + c[2] * (c[6] * c[7] - c[4] * c[9]) + c[3] * (c[4] * c[8] - c[5] * c[7])) / 6
+    end
+    print(math.abs(volume / 0.6 ^ 3 - 1) < 0.08)
+  )") == "true\ttrue\ntrue\n");
+}
+
 TEST_CASE("a body falls into water and is woken by it", "[lua][fluid]") {
   CHECK(output_of(R"(
     world:body{ type = 'static', shape = feder.plane() }
