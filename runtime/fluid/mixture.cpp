@@ -135,6 +135,7 @@ void Fluid::set_interface(ObjectId a, ObjectId b, Real tension) {
   const Command command(impl_->commands, "fluid.set_interface", a, b, tension);
   Impl& m = *impl_;
   const auto describe = [&](ObjectId id) { return m.objects.describe(id); };
+  m.objects.index(a, kFluidKind), m.objects.index(b, kFluidKind);  // throw
   const FluidPool &p = m.pool(a), &q = m.pool(b);
   if (a == b) throw SceneError("interface: expected two fluids, got " + describe(a) + " twice");
   if (!p.meets(q))

@@ -14,6 +14,7 @@ CommandRows record_fluid() {
   return {command_row<&Fluid::add_fluid>("fluid.add_fluid"),
           command_row<&Fluid::destroy_fluid>("fluid.destroy_fluid", kFluidKind),
           command_row<&Fluid::set_velocities>("fluid.set_velocities", kFluidKind),
+          command_row<&Fluid::set_interface>("fluid.set_interface", kFluidKind),
           command_row<&Fluid::wake>("fluid.wake", kFluidKind),
           command_row<&Fluid::set_script_forces>("fluid.set_script_forces", kFluidKind),
           command_row<&Fluid::clear_script_forces>("fluid.clear_script_forces"),
