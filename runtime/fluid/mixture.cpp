@@ -6,10 +6,10 @@
 // is the harmonic mean of theirs, tension between them that of add_tension(). Fluids may touch whose groups and masks
 // let them; they touch where their boxes, swept over the substep, overlap. Those of one solver that may touch have at
 // most one mixture, which holds all that touch another. Kept between substeps: nothing; all state is with the fluids.
-// Weak spots: the pressure of
-// the outermost heavy particles, of half a layer of them, acts on light ones: at a ratio of 100 it holds them half a
-// spacing off. Boxes: a splash across a tank mixes what is in it. A fluid that sleeps wakes where another comes near.
-// pbf and wcsph, whose particles lie in lattices, leave films of what is lighter by less than a half below.
+// Weak spots: the pressure of the outermost heavy particles, of half a layer of them, acts on light ones: at a ratio of
+// 100 it holds them half a spacing off. Boxes: a splash across a tank mixes what is in it. A fluid that sleeps wakes
+// where another comes near. pbf and wcsph, whose particles lie in lattices, leave films of what is lighter by less than
+// a half below.
 #include <algorithm>
 #include <cmath>
 
