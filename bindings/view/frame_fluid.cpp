@@ -28,11 +28,12 @@ class FluidSource final : public FrameSource {
     Bounds b;
     const std::optional<Color> own = c.own_color(id);
     if (c.toggles.liquid && c.toggles.meshes && f.dimension == 3 && x_.size() <= kMostLiquid) {
-      for (const Vec3& x : x_) b.include(to_float3(x), radius);
-      add_bounds(f, b);
       surface_.build(x_, fluid.desc(id).spacing, false, mesh_);
-      if (!mesh_.triangles.empty()) add_mesh(f, id, own.value_or(rgb(0x3b7dbb)), mesh_.vertices, mesh_.triangles);
-      return;
+      if (!mesh_.triangles.empty()) {
+        for (const Vec3& x : x_) b.include(to_float3(x), radius);
+        add_bounds(f, b);
+        return add_mesh(f, id, own.value_or(rgb(0x3b7dbb)), mesh_.vertices, mesh_.triangles);
+      }
     }
     PointGroup group = begin_points(f, id, own.value_or(rgb(0x3b7dbb)));
     value_.assign(x_.size(), 0);

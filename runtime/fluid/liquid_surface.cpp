@@ -11,6 +11,7 @@ namespace {
 constexpr Real kCell = Real(0.8), kFineCell = Real(0.5), kReach = Real(1.6), kBall = Real(0.55);  // spacings
 constexpr std::size_t kMostFine = 30'000;
 constexpr double kMostBlocks = 1 << 22;
+constexpr double kKept = 1.5;         // standard deviations; of an even spread all lies within 1.74
 constexpr Real kCoarse = Real(2.4);   // spacings, of a cell that tells what lies deep
 constexpr int kFull = 7;              // particles in it; 14 at rest, 8 at least in a lattice
 constexpr Real kAround = Real(1.05);  // spacings about a deep particle that lie inside
@@ -42,11 +43,14 @@ void LiquidSurface::bound(std::span<const Vec3> positions, Real spacing) {
     if (blocks <= kMostBlocks) break;
     for (int k = 0; k < 3; ++k) {
       const double m = mean[k] / n, spread = std::sqrt(std::max(0.0, square[k] / n - m * m));
-      const double keep = std::max(2 * spread, static_cast<double>(spacing));
+      const double keep = std::max(kKept * spread, static_cast<double>(spacing));
       low_[k] = std::max(low_[k], static_cast<Real>(m - keep)),
       high_[k] = std::min(high_[k], static_cast<Real>(m + keep));
     }
-    if ((low_.array() <= lo.array()).all() && (high_.array() >= hi.array()).all()) return;  // nothing left to cut
+    if ((low_.array() <= lo.array()).all() && (high_.array() >= hi.array()).all()) {
+      low_ = Vec3::Constant(kInfinity);  // nothing is far from the middle, so none of it is inside
+      return;
+    }
   }
   grid_.origin = low_ - Vec3::Constant(reach_ + grid_.cell);
   for (int k = 0; k < 3; ++k)

@@ -9,9 +9,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kSameSpacing = Real(1.05);  // ratio up to which two spacings are the same
-constexpr std::uint32_t kTried = 256;      // particles of one fluid, evenly taken, that look for another
-constexpr Real kNarrow = Real(0.9);        // of the spacing, width between two walls that has no room for a particle
+constexpr std::uint32_t kTried = 256;  // particles of one fluid, evenly taken, that look for another
+constexpr Real kNarrow = Real(0.9);    // of the spacing, width between two walls that has no room for a particle
 
 Aabb bounds_of(const FluidPool& p) {
   Aabb box;
@@ -43,7 +42,7 @@ void Fluid::Impl::check_fluids_that_meet(StepContext& c) {
     for (std::size_t j = 0; j < k; ++j) {
       FluidPool &a = *pools[k], &b = *pools[j];
       if (a.count == 0 || b.count == 0 || suits(a, b)) continue;
-      if (!(a.desc.group & b.desc.mask) || !(b.desc.group & a.desc.mask)) continue;
+      if (!a.meets(b)) continue;
       const Real reach = std::max(a.desc.spacing, b.desc.spacing) * Real(1.5);
       Aabb box = bounds_of(a);
       box.grow(reach);

@@ -20,11 +20,9 @@
 namespace feder {
 namespace {
 
-constexpr Real kMostSpacings = Real(1.05);  // ratio of spacings up to which fluids are solved as one
-
 bool suits(const FluidPool& a, const FluidPool& b) {
   const Real x = a.desc.spacing, y = b.desc.spacing;
-  return a.meets(b) && std::max(x, y) <= kMostSpacings * std::min(x, y);
+  return a.meets(b) && std::max(x, y) <= kSameSpacing * std::min(x, y);
 }
 
 // What the solver works with. The strictest demand counts.

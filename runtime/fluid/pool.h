@@ -201,8 +201,10 @@ struct FluidPool {
   bool meets(const FluidPool& o) const { return (desc.group & o.desc.mask) && (o.desc.group & desc.mask); }
 };
 
-// Of a fluid over that of another or of a body, or the other way round.
+// Of a fluid over that of a body, or the other way round; of two fluids: FluidSolver::most_density_ratio().
 inline constexpr Real kMaxDensityRatio = 10000;
+inline constexpr Real kSameSpacing =
+    Real(1.05);  // ratio up to which two spacings are the same: fluids are solved as one
 
 // Particles per job, with sums over neighbours and without.
 inline constexpr JobGrain kFluidGrain{512, 30'000}, kParticleGrain{2048, 8'000};

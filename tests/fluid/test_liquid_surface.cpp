@@ -59,6 +59,19 @@ TEST_CASE("a lone particle is a ball, and none is none", "[fluid][surface]") {
   CHECK(m.triangles.empty());
 }
 
+TEST_CASE("spray over a wide box is left out, and nothing breaks", "[fluid][surface]") {
+  Rng rng(3);
+  std::vector<Vec3> x;
+  for (int i = 0; i < 3000; ++i)
+    x.push_back(vec3(rng.uniform(-500, 500), rng.uniform(-500, 500), rng.uniform(-500, 500)));
+  LiquidSurface s;
+  IsoMesh m;
+  s.build(x, Real(0.1), true, m);
+  CHECK(m.triangles.size() < 1000 * 3000);
+  s.build(std::vector<Vec3>{vec3(-1e4f, -1e4f, -1e4f), vec3(1e4f, 1e4f, 1e4f)}, Real(0.01), true, m);
+  CHECK(m.triangles.empty());
+}
+
 TEST_CASE("drops far away do not cost the liquid its surface", "[fluid][surface]") {
   const Real d = Real(0.02);
   std::vector<Vec3> x = brick(10, 10, 10, d);
