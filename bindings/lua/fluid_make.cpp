@@ -11,7 +11,8 @@ namespace feder::lua {
 namespace {
 
 struct FluidReading : Making<FluidDesc> {
-  Real kinematic = 0;  // m^2/s
+  Real kinematic = 0;      // m^2/s
+  Real transparency = -1;  // below 0: as its colour has it
 };
 
 void read_kinematic(Options& o, const OptionRow& row, FluidReading& d) {
@@ -64,6 +65,7 @@ constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::group>("group", "", kBits),
     field<&FluidDesc::mask>("mask", "", kBits),
     special("color", "color", read_color<FluidReading>),
+    field<&FluidReading::transparency>("transparency", "", {0, 1}).unset(),
     later<FluidReading>("tags", kWordsType),
 };
 
@@ -162,6 +164,7 @@ ObjectId world_fluid(WorldRecord& r, lua_State* L) {
   const FluidReading fluid = read_description(L, r, kFluid);
   const ObjectId id = system_of<Fluid>(r).add_fluid(fluid);
   if (fluid.painted) r.appearance.colors[id] = fluid.color;
+  if (fluid.transparency >= 0) r.appearance.transparencies[id] = static_cast<float>(fluid.transparency);
   return id;
 }
 

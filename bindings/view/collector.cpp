@@ -18,7 +18,7 @@ std::span<const Row> frame_sources() {
 void Frame::clear() {
   instances.clear(), batches.clear(), grounds.clear();
   vertices.clear(), indices.clear(), meshes.clear();
-  points.clear(), point_groups.clear();
+  points.clear(), point_groups.clear(), liquids.clear(), foam.clear(), notes.clear();
   lines.clear(), overlay_lines.clear(), labels.clear(), plots.clear();
   moving = bounds = Bounds{};
 }

@@ -51,6 +51,7 @@ struct DynamicMesh {
   std::uint32_t first_index = 0, index_count = 0;  // indices count from first_vertex
   Color color;
   ObjectId object;
+  std::uint32_t liquid = kNone;  // in Frame::liquids: it is drawn as that
 };
 struct MeshVertex {
   Float3 position, normal;
@@ -69,6 +70,22 @@ struct PointGroup {
   const char* scalar = nullptr;  // "speed", "density", "pressure"; null: `color` for all
   float low = 0, high = 1;
   ObjectId object;
+  std::uint32_t liquid = kNone;  // in Frame::liquids: they are drawn as that
+};
+
+// A liquid that one sees through: the body that a closed mesh bounds, or that the points of a group make up.
+struct Liquid {
+  std::uint32_t mesh = kNone, group = kNone;  // in Frame::meshes or Frame::point_groups
+  std::uint32_t first_foam = kNone;           // in Frame::foam, of the mesh's first vertex; kNone: no foam
+  Color color;
+  float transparency = 1;  // 0: opaque, 1: as clear as can be
+  float depth = 1;         // m; so much of it has its full colour
+};
+
+// What the picture does not show as it was asked for, and why.
+struct Note {
+  ObjectId object;
+  char text[240];
 };
 
 struct Line {
@@ -115,10 +132,13 @@ struct Frame {
   std::vector<DynamicMesh> meshes;
   std::vector<Point> points;
   std::vector<PointGroup> point_groups;
+  std::vector<Liquid> liquids;
+  std::vector<float> foam;          // 0 .. 1, by vertex of a liquid
   std::vector<Line> lines;          // hidden by what is in front
   std::vector<Line> overlay_lines;  // seen through everything: joints, contacts
   std::vector<Label> labels;
   std::vector<PlotValue> plots;
+  std::vector<Note> notes;
 
   Bounds moving;  // of what is not fixed
   Bounds bounds;  // of everything finite

@@ -1,16 +1,23 @@
-// Fluids: in space the surface of the liquid (fluid/liquid_surface.h), else, or as the toggles say, particles as balls
-// that touch at rest, coloured by speed, density or pressure. Beyond kMostLiquid particles balls are cheaper, and
-// drawn.
+// Fluids as liquids: in space by their surface (fluid/liquid_surface.h), smoothed, with spray as droplets; beyond
+// Toggles::liquid_limit particles by splats, and with a note; in a plane as a sheet. As the toggles say, particles as
+// balls that touch at rest, coloured by speed, density or pressure.
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
 
 #include "feder/fluid.h"
 #include "fluid/liquid_surface.h"
 #include "view/collector.h"
+#include "view/liquid_shape.h"
 
 namespace feder::view {
 namespace {
 
-constexpr std::size_t kMostLiquid = 150'000;  // 30 ms of one core
+constexpr std::uint32_t kWater = 0x3b8dbb, kDroplet = 0xe6f0f5;
+constexpr float kClearWater = 0.9f, kClearColored = 0.6f;  // transparency of liquids that state none
+constexpr float kDropletSize = 0.3f;                       // spacings
+constexpr Real kCalm = Real(0.2);    // of the speed of waves as deep as the liquid: below, nothing foams
+constexpr std::size_t kSmooth = 50'000;  // particles up to which the skin is smoothed twice
 
 class FluidSource final : public FrameSource {
  public:
@@ -27,15 +34,8 @@ class FluidSource final : public FrameSource {
     const float radius = 0.5f * static_cast<float>(fluid.desc(id).spacing);
     Bounds b;
     const std::optional<Color> own = c.own_color(id);
-    if (c.toggles.liquid && c.toggles.meshes && f.dimension == 3 && x_.size() <= kMostLiquid) {
-      surface_.build(x_, fluid.desc(id).spacing, false, mesh_);
-      if (!mesh_.triangles.empty()) {
-        for (const Vec3& x : x_) b.include(to_float3(x), radius);
-        add_bounds(f, b);
-        return add_mesh(f, id, own.value_or(rgb(0x3b7dbb)), mesh_.vertices, mesh_.triangles);
-      }
-    }
-    PointGroup group = begin_points(f, id, own.value_or(rgb(0x3b7dbb)));
+    if (c.toggles.liquid && c.toggles.meshes && !x_.empty()) return add_liquid(c, fluid, id, own);
+    PointGroup group = begin_points(f, id, own.value_or(rgb(kWater)));
     value_.assign(x_.size(), 0);
     if (!own) values(c, fluid, id, group);
     for (std::size_t i = 0; i < x_.size(); ++i) {
@@ -45,6 +45,81 @@ class FluidSource final : public FrameSource {
     }
     add_bounds(f, b);
     end_points(f, group);
+  }
+
+  void add_liquid(Collecting& c, Fluid& fluid, ObjectId id, std::optional<Color> own) {
+    Frame& f = c.frame;
+    const Real spacing = fluid.desc(id).spacing;
+    Liquid l;
+    l.color = own.value_or(rgb(kWater));
+    const auto stated = c.appearance.transparencies.find(id);
+    l.transparency = stated != c.appearance.transparencies.end() ? stated->second : own ? kClearColored : kClearWater;
+    l.depth = static_cast<float>(spacing) * std::pow(static_cast<float>(x_.size()), 1 / static_cast<float>(f.dimension));
+    if (f.dimension == 2)
+      add_points(f, id, l, x_, 0.5f * static_cast<float>(spacing), kPrismDepth / 2 - 0.001f * l.depth);
+    else if (x_.size() <= c.toggles.liquid_limit)
+      add_surface(c, fluid, id, l, spacing);
+    else
+      add_splats(c, id, l, spacing);
+  }
+
+  void add_surface(Collecting& c, Fluid& fluid, ObjectId id, Liquid l, Real spacing) {
+    Frame& f = c.frame;
+    const Real calm = kCalm * std::sqrt(length(c.world.desc().gravity) * static_cast<Real>(l.depth));
+    if (calm > 0) fluid.velocities(id, v_);
+    shape_.sort(x_, v_, spacing, calm);
+    surface_.build(shape_.bulk(), spacing, false, mesh_);
+    if (!mesh_.triangles.empty()) {
+      std::span<float> foam;
+      if (shape_.foams()) {
+        l.first_foam = static_cast<std::uint32_t>(f.foam.size());
+        for (const Vec3& v : mesh_.vertices) f.foam.push_back(shape_.foam(v));
+        foam = std::span(f.foam).subspan(l.first_foam);
+      }
+      smooth_mesh(mesh_.vertices, mesh_.triangles, foam, x_.size() <= kSmooth ? 2 : 1, scratch_, weights_);
+      l.mesh = static_cast<std::uint32_t>(f.meshes.size());
+      add_mesh(f, id, l.color, mesh_.vertices, mesh_.triangles);
+      f.meshes.back().liquid = static_cast<std::uint32_t>(f.liquids.size());
+      f.liquids.push_back(l);
+    }
+    Bounds b;
+    for (const Vec3& x : shape_.bulk()) b.include(to_float3(x), 0.5f * static_cast<float>(spacing));
+    add_bounds(f, b);
+    PointGroup drops = begin_points(f, id, mixed(rgb(kDroplet), l.color, l.transparency < kClearWater ? 0.7f : 0.1f));
+    put_points(f, shape_.spray(), kDropletSize * static_cast<float>(spacing), 0);
+    end_points(f, drops);
+  }
+
+  // The points of a liquid without a mesh.
+  static void add_points(Frame& f, ObjectId id, Liquid l, std::span<const Vec3> points, float radius, float z) {
+    PointGroup group = begin_points(f, id, l.color);
+    group.liquid = static_cast<std::uint32_t>(f.liquids.size());
+    l.group = static_cast<std::uint32_t>(f.point_groups.size());
+    put_points(f, points, radius, z);
+    end_points(f, group);
+    if (l.group < f.point_groups.size()) f.liquids.push_back(l);
+  }
+
+  static void put_points(Frame& f, std::span<const Vec3> points, float radius, float z) {
+    Bounds b;
+    for (const Vec3& x : points) {
+      if (!is_finite(x)) continue;
+      Point p{to_float3(x), radius, 0};
+      p.position.z += z;
+      b.include(p.position, radius);
+      f.points.push_back(p);
+    }
+    add_bounds(f, b);
+  }
+
+  void add_splats(Collecting& c, ObjectId id, const Liquid& l, Real spacing) {
+    add_points(c.frame, id, l, x_, 0.5f * static_cast<float>(spacing), 0);
+    Note note{id, {}};
+    std::snprintf(note.text, sizeof note.text,
+                  "%s is drawn as drops: its surface is built up to %zu particles, it has %zu; --show liquid builds it all "
+                  "the same, a larger spacing has fewer",
+                  c.world.objects().describe(id).c_str(), c.toggles.liquid_limit, x_.size());
+    c.frame.notes.push_back(note);
   }
 
   // What the points are coloured by, and the ends of its scale: 0 to the largest now (of the speeds, to the 98th part
@@ -76,6 +151,9 @@ class FluidSource final : public FrameSource {
   std::vector<Vec3> x_, v_;
   std::vector<Real> number_;
   std::vector<float> value_, sorted_;
+  std::vector<Vec3> scratch_;
+  std::vector<float> weights_;
+  LiquidShape shape_;
   LiquidSurface surface_;
   IsoMesh mesh_;
 };

@@ -16,13 +16,13 @@ namespace feder::view {
 // clang-format off
 #define FEDER_GL_FUNCTIONS(f)                                                                                          \
   f(GETSTRING, GetString) f(GETINTEGERV, GetIntegerv) f(GETERROR, GetError) f(VIEWPORT, Viewport)                      \
-  f(CLEAR, Clear) f(ENABLE, Enable) f(DISABLE, Disable) f(DEPTHFUNC, DepthFunc)              \
+  f(CLEAR, Clear) f(CLEARBUFFERFV, ClearBufferfv) f(ENABLE, Enable) f(DISABLE, Disable) f(DEPTHFUNC, DepthFunc)              \
   f(DEPTHMASK, DepthMask) f(BLENDFUNCSEPARATE, BlendFuncSeparate)                                \
   f(POLYGONOFFSET, PolygonOffset) f(GENBUFFERS, GenBuffers) f(DELETEBUFFERS, DeleteBuffers)                            \
   f(BINDBUFFER, BindBuffer) f(BUFFERDATA, BufferData) f(GENVERTEXARRAYS, GenVertexArrays)                              \
   f(DELETEVERTEXARRAYS, DeleteVertexArrays) f(BINDVERTEXARRAY, BindVertexArray)                                        \
   f(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray) f(VERTEXATTRIBPOINTER, VertexAttribPointer)                      \
-  f(VERTEXATTRIBDIVISOR, VertexAttribDivisor) f(VERTEXATTRIB4F, VertexAttrib4f) f(CREATESHADER, CreateShader)          \
+  f(DISABLEVERTEXATTRIBARRAY, DisableVertexAttribArray) f(VERTEXATTRIBDIVISOR, VertexAttribDivisor) f(VERTEXATTRIB4F, VertexAttrib4f) f(CREATESHADER, CreateShader)          \
   f(SHADERSOURCE, ShaderSource) f(COMPILESHADER, CompileShader) f(GETSHADERIV, GetShaderiv)                            \
   f(GETSHADERINFOLOG, GetShaderInfoLog) f(DELETESHADER, DeleteShader) f(CREATEPROGRAM, CreateProgram)                  \
   f(ATTACHSHADER, AttachShader) f(LINKPROGRAM, LinkProgram) f(GETPROGRAMIV, GetProgramiv)                              \

@@ -9,7 +9,8 @@
 namespace feder::view {
 namespace {
 
-constexpr float kSize = 15;  // pixels
+constexpr float kSize = 15;     // pixels
+constexpr float kClear = 0.7f;  // liquids more transparent cast no shadow
 
 // Baked once for all renderers of the process: it never changes.
 const Font& font() {
@@ -81,6 +82,7 @@ void ShapeLayer::draw(const Frame& f, const Pass& pass) {
   gl_.VertexAttrib4f(2, 0, 0, 0, 0), gl_.VertexAttrib4f(3, 0, 0, 0, 0);
   gl_.VertexAttrib4f(4, 0, 0, 0, 1), gl_.VertexAttrib4f(5, 1, 1, 1, 0);
   for (const DynamicMesh& m : f.meshes) {
+    if (m.liquid != kNone && (!shadow || f.liquids[m.liquid].transparency > kClear)) continue;
     mesh_vertices_.bind();
     mesh_array_.attributes<MeshVertex>({{0, 3, offsetof(MeshVertex, position)}, {1, 3, offsetof(MeshVertex, normal)}},
                                        m.first_vertex);
@@ -98,15 +100,20 @@ PointLayer::PointLayer(const Gl& gl)
 
 void PointLayer::upload(const Frame& f) { points_.fill(f.points, GL_STREAM_DRAW); }
 
+void PointLayer::aim(const VertexArray& array, std::uint32_t first) const {
+  array.bind();
+  points_.bind();
+  array.attributes<Point>({{0, 4, offsetof(Point, position)}, {1, 1, offsetof(Point, value)}}, first, 1);
+}
+
 void PointLayer::draw(const Frame& f, const Pass& pass) {
   if (f.point_groups.empty() || (pass.stage != Stage::opaque && pass.stage != Stage::shadow)) return;
   const bool shadow = pass.stage == Stage::shadow;
   (shadow ? depth_ : lit_)->use();
   if (shadow) gl_.Uniform1i(orthographic_, 1);
-  array_.bind();
   for (const PointGroup& g : f.point_groups) {
-    points_.bind();
-    array_.attributes<Point>({{0, 4, offsetof(Point, position)}, {1, 1, offsetof(Point, value)}}, g.first, 1);
+    if (g.liquid != kNone && (!shadow || f.liquids[g.liquid].transparency > kClear)) continue;
+    aim(array_, g.first);
     if (!shadow) {
       gl_.Uniform4f(plain_, g.color.r / 255.0f, g.color.g / 255.0f, g.color.b / 255.0f, g.scalar ? -1.0f : 1.0f);
       gl_.Uniform2f(range_, g.low, g.high);

@@ -37,6 +37,8 @@ class ShapeLayer {
   explicit ShapeLayer(const Gl& gl);
   void upload(const Frame& frame);
   void draw(const Frame& frame, const Pass& pass);
+  const Buffer& mesh_vertices() const { return mesh_vertices_; }  // Frame::vertices
+  const Buffer& mesh_indices() const { return mesh_indices_; }
 
  private:
   struct Stored {
@@ -60,6 +62,7 @@ class PointLayer {
   explicit PointLayer(const Gl& gl);
   void upload(const Frame& frame);
   void draw(const Frame& frame, const Pass& pass);
+  void aim(const VertexArray& array, std::uint32_t first) const;  // at the points from `first` on, one per instance
 
  private:
   const Gl& gl_;

@@ -7,6 +7,7 @@
 
 #include "feder/types.h"
 #include "view/layers.h"
+#include "view/liquid_layer.h"
 #include "view/shaders.h"
 
 namespace feder::view {
@@ -22,7 +23,7 @@ struct Float4 {
 // The uniform block of shaders.cpp, std140.
 struct Shared {
   Matrix4 view_projection, shadow_matrix;
-  Float4 eye, sun, viewport, right, up, back;
+  Float4 eye, sun, viewport, right, up, back, planes;
 };
 
 Float3 unit_sun() { return kSun / length(kSun); }
@@ -97,7 +98,7 @@ std::unique_ptr<Program> make_program(const Gl& gl, const char* name, std::strin
 
 struct Renderer::Impl {
   explicit Impl(const GlLoader& load)
-      : gl(load), shapes(gl), points(gl), lines(gl), backdrop(gl), text(gl), shared(gl) {
+      : gl(load), shapes(gl), points(gl), lines(gl), liquids(gl, shapes, points), backdrop(gl), text(gl), shared(gl) {
     gl.GetIntegerv(GL_MAX_SAMPLES, &max_samples);
   }
 
@@ -114,6 +115,7 @@ struct Renderer::Impl {
   ShapeLayer shapes;
   PointLayer points;
   LineLayer lines;
+  LiquidLayer liquids;
   BackdropLayer backdrop;
   TextLayer text;
   Buffer shared;
@@ -142,12 +144,14 @@ void Renderer::Impl::fill_shared(const Frame& f, const Camera& camera, const Dra
   const float tall = std::tan(camera.fov / 2), wide = tall * aspect;
   const auto width = static_cast<float>(target.width), height = static_cast<float>(target.height);
   const auto [right, up, back] = camera.axes();
-  block.view_projection = camera.projection(aspect) * camera.view();
+  const Matrix4 projection = camera.projection(aspect);
+  block.view_projection = projection * camera.view();
   block.shadow_matrix = kHalf * sun_matrix(f, camera);
   block.eye = {camera.eye(), f.dimension == 2 ? 1.0f : 0.0f};
   block.sun = {unit_sun(), options.shadow_size > 0 ? 1.0f : 0.0f};
   block.viewport = {{width, height, options.line_scale}, 1.0f / static_cast<float>(std::max(options.shadow_size, 1))};
   block.right = {right, wide}, block.up = {up, tall}, block.back = {back, camera.distance};
+  block.planes = {{projection.m[10], projection.m[14], 0}, 0};
 }
 
 void Renderer::Impl::draw_shadow(const Frame& f) {
@@ -180,8 +184,14 @@ void Renderer::Impl::draw_color(const Frame& f, const Camera& camera, const Draw
   gl.Enable(GL_DEPTH_TEST);
   layers(f, Stage::opaque);
   backdrop.draw_grounds(f, camera, opaque);
-  gl.Enable(GL_BLEND), gl.DepthMask(GL_FALSE);
-  gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  const auto blend = [this] {
+    gl.Enable(GL_BLEND), gl.DepthMask(GL_FALSE);
+    gl.BlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  };
+  blend();
+  if (!f.liquids.empty()) lines.draw(f, {gl, Stage::translucent, stats});  // those in a liquid shine through it
+  liquids.draw(f, camera, {color->frame.id(), target.width, target.height}, stats);
+  blend();
   layers(f, Stage::translucent);
   gl.Disable(GL_DEPTH_TEST);
   layers(f, Stage::overlay);
@@ -200,7 +210,7 @@ void Renderer::draw(const Frame& frame, const Camera& camera, const DrawOptions&
   // the lit programs sample the shadow map in any case
   r.make_targets(target.width, target.height, std::min(options.samples, static_cast<int>(r.max_samples)),
                  std::max(options.shadow_size, 1));
-  r.shapes.upload(frame), r.points.upload(frame), r.lines.upload(frame);
+  r.shapes.upload(frame), r.points.upload(frame), r.lines.upload(frame), r.liquids.upload(frame);
   if (options.labels) r.text.upload(frame, camera, target, options.line_scale);
   r.fill_shared(frame, camera, options, target);
   if (options.shadow_size > 0) r.draw_shadow(frame);

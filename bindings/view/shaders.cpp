@@ -12,6 +12,7 @@ layout(std140) uniform Shared {
   vec4 sun;             // towards the sun; w: 1 with shadows
   vec4 viewport;        // width, height, line scale, shadow texel
   vec4 right, up, back; // camera axes; right.w: tan(fov / 2) * aspect, up.w: tan(fov / 2), back.w: distance
+  vec4 planes;          // x, y: at depth d along the eye's axis, clip space has z / w = y / d - x
 };
 
 vec3 linear(vec3 s) { return s * (s * (s * 0.305306011 + 0.682171111) + 0.012522878); }

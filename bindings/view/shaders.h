@@ -14,4 +14,10 @@ extern const std::string_view kGroundVertex, kGroundFragment;
 extern const std::string_view kBackgroundVertex, kBackgroundFragment;
 extern const std::string_view kTextVertex, kTextFragment;
 
+// Of liquids (shaders_liquid.cpp).
+extern const std::string_view kWaterSource;  // after the light, in fragments that show a liquid
+extern const std::string_view kLiquidVertex, kThicknessFragment, kLiquidFragment;
+extern const std::string_view kSplatVertex, kBallDepthFragment, kBallWayFragment;
+extern const std::string_view kWholeVertex, kSmoothFragment, kSplatFragment, kSheetFragment;
+
 }  // namespace feder::view

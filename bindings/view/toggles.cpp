@@ -1,6 +1,7 @@
 #include "view/toggles.h"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "feder/error.h"
@@ -13,7 +14,7 @@ std::span<const ToggleInfo> toggle_list() {
       {"shapes", "rigid bodies", &Toggles::shapes},
       {"meshes", "faces of nets, cloth and fluid surfaces", &Toggles::meshes},
       {"points", "net points and fluid particles", &Toggles::points},
-      {"liquid", "fluids by their surface; without, or when points are coloured by a quantity, by particles",
+      {"liquid", "fluids as liquids, when asked for whatever their size; without, or coloured by a quantity, particles",
        &Toggles::liquid},
       {"springs", "springs, coloured by strain", &Toggles::springs},
       {"sensors", "sensors, translucent", &Toggles::sensors},
@@ -55,6 +56,7 @@ void set_toggles(Toggles& toggles, std::string_view list) {
       throw SceneError("unknown layer '" + std::string(word) + "'; known: " + known +
                        (near.empty() ? "" : "; did you mean '" + near + "'?"));
     }
+    if (on && word == "liquid") toggles.liquid_limit = std::numeric_limits<std::size_t>::max();
     if (number < toggle_list().size())
       toggles.*toggle_list()[number].field = on;
     else

@@ -1,16 +1,19 @@
 // What is drawn: one bool per layer, found by name (command line, viewer). A layer that is off is not collected.
 #pragma once
+#include <cstddef>
 #include <span>
 #include <string>
 #include <string_view>
 
 namespace feder::view {
 
+inline constexpr std::size_t kLiquidLimit = 100'000;  // 20 ms of one core
+
 struct Toggles {
   bool shapes = true;   // rigid bodies
   bool meshes = true;   // faces of nets, cloth, fluid surfaces
   bool points = true;   // net points with a radius, fluid particles
-  bool liquid = true;   // fluids in space by their surface; else by their particles
+  bool liquid = true;   // fluids as liquids; else by their particles
   bool springs = true;  // coloured by strain
   bool sensors = true;  // translucent
   bool joints = false;
@@ -23,6 +26,7 @@ struct Toggles {
   bool labels = false;                 // names
   bool marks = false;                  // this step's events
   bool plots = false;                  // energy, penetration
+  std::size_t liquid_limit = kLiquidLimit;  // particles of a fluid in space up to which its surface is built
   const char* point_scalar = "speed";  // what colours points: "speed", "density", "pressure", "none"
 };
 
