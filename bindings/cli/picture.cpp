@@ -70,8 +70,14 @@ double animation_length(const std::string& given, const lua::Script& script) {
   return script.seconds() > 0 ? script.seconds() : 4;
 }
 
+void NotePrinter::print(const view::Frame& frame) {
+  for (const view::Note& n : frame.notes)
+    if (said_.insert(n.object).second) print_error(fmt::format("{}: {}", scene_, n.text));
+}
+
 view::Image take_picture(view::RendererHost& renderer, Session& session, const PictureWish& wish) {
   const view::Frame& frame = renderer.collect(session.script(), wish.toggles);
+  NotePrinter(session.file()).print(frame);
   const view::Camera camera =
       renderer.aim(session.script(), wish.camera, view::subject_of(frame), frame.dimension == 2);
   return renderer.draw(camera, {});

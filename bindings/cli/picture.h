@@ -1,6 +1,7 @@
 // What the commands that draw share: a scene run up to a moment, and pictures of it.
 #pragma once
 #include <functional>
+#include <set>
 
 #include "cli/session.h"
 #include "view/renderer_host.h"
@@ -35,7 +36,18 @@ bool run_on_to(Session& session, double seconds);
 double read_fps(const std::string& given, double otherwise);
 double animation_length(const std::string& given, const lua::Script& script);
 
-// The picture now, with the camera that fits it.
+// What pictures do not show as asked for, on stderr: once for each object.
+class NotePrinter {
+ public:
+  explicit NotePrinter(std::string scene) : scene_(std::move(scene)) {}
+  void print(const view::Frame& frame);
+
+ private:
+  std::string scene_;
+  std::set<ObjectId> said_;
+};
+
+// The picture now, with the camera that fits it; notes are printed.
 view::Image take_picture(view::RendererHost& renderer, Session& session, const PictureWish& wish);
 
 // All of `scenes` in one picture, with title and command below each; a scene that fails shows its error. Calls

@@ -127,8 +127,9 @@ class Render final : public Command {
     if (gif) writer.emplace(out_, wish.width, wish.height, fps);
     if (!gif) make_folder();
     int drawn = 0;
+    NotePrinter notes(file);
     for (; drawn < count && run_on_to(session, from + drawn / fps); ++drawn) {
-      renderer.collect(session.script(), wish.toggles);
+      notes.print(renderer.collect(session.script(), wish.toggles));
       const view::Image image = renderer.draw(camera, {});
       if (gif)
         writer->add(image);

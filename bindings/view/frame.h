@@ -71,6 +71,7 @@ struct PointGroup {
   float low = 0, high = 1;
   ObjectId object;
   std::uint32_t liquid = kNone;  // in Frame::liquids: they are drawn as that
+  bool casts_shadow = true;
 };
 
 // A liquid that one sees through: the body that a closed mesh bounds, or that the points of a group make up.

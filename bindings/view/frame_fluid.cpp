@@ -14,7 +14,7 @@ namespace feder::view {
 namespace {
 
 constexpr std::uint32_t kWater = 0x3b8dbb, kDroplet = 0xe6f0f5;
-constexpr float kClearWater = 0.9f, kClearColored = 0.6f;  // transparency of liquids that state none
+constexpr float kClearWater = 0.9f, kClearColored = 0.5f;  // transparency of liquids that state none
 constexpr float kDropletSize = 0.3f;                       // spacings
 constexpr Real kCalm = Real(0.2);    // of the speed of waves as deep as the liquid: below, nothing foams
 constexpr std::size_t kSmooth = 50'000;  // particles up to which the skin is smoothed twice
@@ -86,6 +86,7 @@ class FluidSource final : public FrameSource {
     for (const Vec3& x : shape_.bulk()) b.include(to_float3(x), 0.5f * static_cast<float>(spacing));
     add_bounds(f, b);
     PointGroup drops = begin_points(f, id, mixed(rgb(kDroplet), l.color, l.transparency < kClearWater ? 0.7f : 0.1f));
+    drops.casts_shadow = false;
     put_points(f, shape_.spray(), kDropletSize * static_cast<float>(spacing), 0);
     end_points(f, drops);
   }
@@ -94,6 +95,7 @@ class FluidSource final : public FrameSource {
   static void add_points(Frame& f, ObjectId id, Liquid l, std::span<const Vec3> points, float radius, float z) {
     PointGroup group = begin_points(f, id, l.color);
     group.liquid = static_cast<std::uint32_t>(f.liquids.size());
+    group.casts_shadow = f.dimension == 3;
     l.group = static_cast<std::uint32_t>(f.point_groups.size());
     put_points(f, points, radius, z);
     end_points(f, group);

@@ -113,6 +113,7 @@ void PointLayer::draw(const Frame& f, const Pass& pass) {
   if (shadow) gl_.Uniform1i(orthographic_, 1);
   for (const PointGroup& g : f.point_groups) {
     if (g.liquid != kNone && (!shadow || f.liquids[g.liquid].transparency > kClear)) continue;
+    if (shadow && !g.casts_shadow) continue;
     aim(array_, g.first);
     if (!shadow) {
       gl_.Uniform4f(plain_, g.color.r / 255.0f, g.color.g / 255.0f, g.color.b / 255.0f, g.scalar ? -1.0f : 1.0f);

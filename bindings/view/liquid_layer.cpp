@@ -14,9 +14,9 @@ namespace {
 enum Unit : GLenum { kBehind = 1, kBehindDepth, kWays, kDepths };  // texture units; 0 has the shadow map
 
 // Of balls in spacings, given points of half a spacing. Their volume is 2.1 times what a particle has.
-constexpr float kBallGrow = 1.6f, kBallShare = 0.47f, kSmoothing = 3.0f;
-constexpr float kBumpGrow = 4, kLevel = 0.9f;  // bumps of a flat sheet add up to 3.1
-constexpr float kSheet = 0.3f;                 // depths of the liquid
+constexpr float kBallGrow = 1.6f, kBallShare = 0.47f, kSmoothing = 5.0f;
+constexpr float kBumpGrow = 4, kLevel = 0.6f;  // bumps of a flat sheet add up to 3.1
+constexpr float kSheet = 0.7f;                 // depths of the liquid
 constexpr float kAbsorption = 0.5f, kTurbidity = 1.6f, kFarthest = 0.5f;
 
 float linear_part(std::uint8_t s) { return std::pow(static_cast<float>(s) / 255, 2.2f); }
@@ -27,8 +27,8 @@ struct Extinction {
       : tint{linear_part(l.color.r), linear_part(l.color.g), linear_part(l.color.b)} {
     const float depth = std::max(l.depth, 1e-6f), clear = std::clamp(l.transparency, 0.0f, 1.0f);
     const auto along = [&](float part) { return kAbsorption * -std::log(std::clamp(part, 0.01f, 1.0f)) / depth; };
-    // at 1 only half of the colour is left
-    const float colored = 1.5f - clear;
+    // at its clearest it has a little colour still
+    const float colored = 0.5f + 2 * (1 - clear);
     absorption = {colored * along(tint.x), colored * along(tint.y), colored * along(tint.z)};
     turbidity = clear > 0 ? std::min(kTurbidity * (1 - clear) / clear / depth, 1e6f / depth) : 1e6f / depth;
   }
@@ -113,7 +113,9 @@ void LiquidLayer::clear(const PixelTarget& target, bool with_depth) const {
   const GLfloat zero[4] = {0, 0, 0, 0}, far = 1;
   gl_.BindFramebuffer(GL_FRAMEBUFFER, target.frame.id());
   gl_.ClearBufferfv(GL_COLOR, 0, zero);
-  if (with_depth) gl_.ClearBufferfv(GL_DEPTH, 0, &far);
+  if (!with_depth) return;
+  gl_.DepthMask(GL_TRUE);  // or nothing is cleared
+  gl_.ClearBufferfv(GL_DEPTH, 0, &far);
 }
 
 void LiquidLayer::aim_mesh(const DynamicMesh& mesh, std::uint32_t first_foam) const {
@@ -136,7 +138,7 @@ void LiquidLayer::begin_water(const Drawing& d, const Program& program, const Li
   gl_.Uniform3f(program.uniform("absorption"), e.absorption.x, e.absorption.y, e.absorption.z);
   gl_.Uniform3f(program.uniform("tint"), e.tint.x, e.tint.y, e.tint.z);
   gl_.Uniform1f(program.uniform("turbidity"), e.turbidity);
-  gl_.Uniform1f(program.uniform("farthest"), kFarthest * liquid.depth);
+  gl_.Uniform1f(program.uniform("farthest"), d.frame.dimension == 2 ? 0 : kFarthest * liquid.depth);
   gl_.DepthMask(GL_TRUE), gl_.Enable(GL_DEPTH_TEST), gl_.Disable(GL_BLEND);
 }
 

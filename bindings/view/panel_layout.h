@@ -62,6 +62,7 @@ struct PanelLayout {
   bool save_picture = false;
   std::string open_file;  // asked for by the picker
   double now = 0;         // s
+  std::vector<std::string> notes;  // what is not drawn as asked for
   int pictures = 0;
   double frame_ms = 0, cpu_ms = 0;  // of a picture: wall time, and what the processor took without waiting
 
@@ -82,7 +83,8 @@ void draw_transport(PanelLayout& layout, const PanelSizes& sizes);
 void draw_scene_panel(PanelLayout& layout, const PanelSizes& sizes);  // left: parameters, world, what is drawn
 void draw_watch_panel(PanelLayout& layout, const PanelSizes& sizes);  // right: inspector, times, curves
 void draw_console(PanelLayout& layout, const PanelSizes& sizes);
-void draw_messages(PanelLayout& layout, const PanelSizes& sizes);  // errors over the view
+void draw_messages(PanelLayout& layout, const PanelSizes& sizes);     // errors over the view
+void draw_notes(const PanelLayout& layout, const PanelSizes& sizes);  // above the bar below
 void draw_grip(PanelLayout& layout, float pixels_per_unit,
                const Target& target);  // the grip's spring, the selection's name
 void draw_picker(PanelLayout& layout, const PanelSizes& sizes);

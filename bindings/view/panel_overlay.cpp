@@ -65,6 +65,18 @@ void draw_messages(PanelLayout& layout, const PanelSizes& sizes) {
   ImGui::PopStyleColor();
 }
 
+void draw_notes(const PanelLayout& layout, const PanelSizes& sizes) {
+  if (layout.notes.empty()) return;
+  const float width = std::max(100.0f, sizes.width - sizes.left - sizes.right - 20);
+  ImGui::SetNextWindowPos({sizes.left + 10, sizes.height - sizes.bottom - sizes.console - 8}, ImGuiCond_Always, {0, 1});
+  ImGui::SetNextWindowBgAlpha(0.7f);
+  ImGui::Begin("notes", nullptr, kOverlay | ImGuiWindowFlags_NoInputs);
+  ImGui::PushTextWrapPos(width - 20);
+  for (const std::string& note : layout.notes) colored_text(ink::kWarn, note.c_str());
+  ImGui::PopTextWrapPos();
+  ImGui::End();
+}
+
 void draw_grip(PanelLayout& layout, float scale, const Target& t) {
   if (!layout.live.has_scene()) return;
   ImDrawList* list = ImGui::GetBackgroundDrawList();

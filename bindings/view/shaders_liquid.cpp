@@ -8,7 +8,7 @@ namespace feder::view {
 const std::string_view kWaterSource = R"(
 uniform sampler2D behind, behind_depth;
 uniform vec3 absorption, tint;
-uniform float turbidity, farthest;  // farthest: m, that a bent ray is followed
+uniform float turbidity, farthest;  // m, that a bent ray is followed
 float view_depth(float z) { return planes.y / (2.0 * z - 1.0 + planes.x); }
 float depth_value(float d) { return 0.5 + 0.5 * (planes.y / d - planes.x); }
 vec3 unshown(vec3 c) {
@@ -25,7 +25,7 @@ vec3 water(vec3 at, vec3 n, float thickness, float foam) {
   vec2 here = gl_FragCoord.xy / viewport.xy, there = clamp(0.5 + 0.5 * out_at.xy / out_at.w, 0.001, 0.999);
   if (view_depth(texture(behind_depth, there).r) < own) there = here;
   vec3 seen = unshown(texture(behind, there).rgb) * exp(-(absorption + turbidity) * thickness);
-  float sunny = sunlight(at, n);
+  float sunny = eye.w > 0.5 ? max(dot(n, sun.xyz), 0.0) : sunlight(at, n);  // a sheet shades nothing
   vec3 light = mix(vec3(0.34, 0.34, 0.34), vec3(0.54, 0.58, 0.64), 0.5 + 0.5 * n.y) + vec3(1.0, 0.955, 0.88) * sunny;
   vec3 body = seen + tint * light * (1.0 - exp(-turbidity * thickness));
   vec3 away = reflect(d, n);
@@ -78,7 +78,7 @@ void main() {
   float along = length(at - eye.xyz) / dot(at - eye.xyz, -back.xyz);
   float thickness = max(texelFetch(ways, ivec2(gl_FragCoord.xy), 0).r, 0.0) * along;
   float white = 0.0;
-  if (foam > 0.01) white = 0.85 * smoothstep(0.3, 0.8, foam + 0.5 * (noise(at / grain) - 0.5)) * smoothstep(0.0, 0.2, foam);
+  if (foam > 0.01) white = 0.75 * smoothstep(0.3, 0.8, foam + 0.5 * (noise(at / grain) - 0.5)) * smoothstep(0.0, 0.2, foam);
   result = vec4(water(at, normalize(normal), thickness, white), 1.0);
 }
 )";

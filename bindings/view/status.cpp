@@ -62,6 +62,7 @@ void write_status(PanelLayout& layout, const Target& t, float scale, const std::
   json["title"] = live.title();
   json["error"] = live.error();
   json["notice"] = live.notice();
+  json["notes"] = layout.notes;
   json["generation"] = live.generation();
   json["reloads"] = live.reloads();
   json["reload_seconds"] = live.reload_seconds();

@@ -134,6 +134,8 @@ class Viewer {
     // while the past is lived again there is nothing new to see
     if (!live_.has_scene() || live_.rewriting()) return;
     collector_.collect(live_.world(), live_.script().appearance(), layout_.toggles, frame_);
+    layout_.notes.assign(frame_.notes.size(), {});
+    for (std::size_t i = 0; i < frame_.notes.size(); ++i) layout_.notes[i] = frame_.notes[i].text;
     highlight();
   }
 
@@ -217,6 +219,7 @@ class Viewer {
       draw_transport(layout_, sizes);
     }
     draw_messages(layout_, sizes);
+    draw_notes(layout_, sizes);
     draw_grip(layout_, window_.pixels_per_unit(), window_.target());
     draw_picker(layout_, sizes);
     draw_help(layout_, sizes);
