@@ -33,32 +33,30 @@ std::uint64_t LiquidShape::key_of(const Vec3& x) const {
 }
 
 const LiquidShape::Cell* LiquidShape::find(std::uint64_t key) const {
-  const std::size_t mask = cells_.size() - 1;
-  for (std::size_t at = slot_of(key, mask); cells_[at].count > 0; at = (at + 1) & mask)
-    if (cells_[at].key == key) return &cells_[at];
+  const std::size_t mask = slots_.size() - 1;
+  for (std::size_t at = slot_of(key, mask); slots_[at] != kNone; at = (at + 1) & mask)
+    if (cells_[slots_[at]].key == key) return &cells_[slots_[at]];
   return nullptr;
 }
 
-LiquidShape::Cell& LiquidShape::make(std::uint64_t key) {
-  if (2 * (used_ + 1) > cells_.size()) grow();
-  const std::size_t mask = cells_.size() - 1;
+std::uint32_t LiquidShape::make(std::uint64_t key) {
+  if (2 * (cells_.size() + 1) > slots_.size()) grow();
+  const std::size_t mask = slots_.size() - 1;
   std::size_t at = slot_of(key, mask);
-  for (; cells_[at].count > 0; at = (at + 1) & mask)
-    if (cells_[at].key == key) return cells_[at];
-  ++used_;
-  cells_[at].key = key;
-  return cells_[at];
+  for (; slots_[at] != kNone; at = (at + 1) & mask)
+    if (cells_[slots_[at]].key == key) return slots_[at];
+  slots_[at] = static_cast<std::uint32_t>(cells_.size());
+  cells_.emplace_back().key = key;
+  return slots_[at];
 }
 
 void LiquidShape::grow() {
-  std::vector<Cell> old(2 * cells_.size());
-  old.swap(cells_);
-  const std::size_t mask = cells_.size() - 1;
-  for (const Cell& c : old) {
-    if (c.count == 0) continue;
-    std::size_t at = slot_of(c.key, mask);
-    while (cells_[at].count > 0) at = (at + 1) & mask;
-    cells_[at] = c;
+  slots_.assign(std::max<std::size_t>(1024, 2 * slots_.size()), kNone);
+  const std::size_t mask = slots_.size() - 1;
+  for (std::uint32_t i = 0; i < cells_.size(); ++i) {
+    std::size_t at = slot_of(cells_[i].key, mask);
+    while (slots_[at] != kNone) at = (at + 1) & mask;
+    slots_[at] = i;
   }
 }
 
@@ -81,12 +79,19 @@ bool LiquidShape::is_spray(const Vec3& x) const {
 
 void LiquidShape::sort(std::span<const Vec3> positions, std::span<const Vec3> velocities, Real spacing, Real calm) {
   FEDER_ASSERT(spacing > 0 && (calm <= 0 || velocities.size() == positions.size()));
-  size_ = kCell * spacing, used_ = 0, foams_ = false;
-  if (cells_.empty()) cells_.resize(1024);
-  std::fill(cells_.begin(), cells_.end(), Cell{});
+  size_ = kCell * spacing, foams_ = false;
+  cells_.clear(), own_.clear();
+  std::fill(slots_.begin(), slots_.end(), kNone);
+  if (slots_.empty()) grow();
+  std::uint64_t last_key = 0;
+  std::uint32_t last = kNone;  // neighbours in the list are mostly in one cell
   for (std::size_t i = 0; i < positions.size(); ++i) {
+    own_.push_back(kNone);
     if (!is_finite(positions[i])) continue;
-    Cell& c = make(key_of(positions[i]));
+    const std::uint64_t key = key_of(positions[i]);
+    if (last == kNone || key != last_key) last = make(key), last_key = key;
+    own_.back() = last;
+    Cell& c = cells_[last];
     ++c.count;
     if (calm > 0) c.sum += velocities[i], c.squares += velocities[i].squaredNorm();
   }
@@ -99,8 +104,9 @@ void LiquidShape::sort(std::span<const Vec3> positions, std::span<const Vec3> ve
       foams_ |= c.foam > 0;
     }
   bulk_.clear(), spray_.clear();
-  for (const Vec3& x : positions)
-    if (is_finite(x)) (is_spray(x) ? spray_ : bulk_).push_back(x);
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    if (own_[i] != kNone)
+      (cells_[own_[i]].count <= kLoose && is_spray(positions[i]) ? spray_ : bulk_).push_back(positions[i]);
 }
 
 float LiquidShape::foam(const Vec3& at) const {

@@ -29,13 +29,14 @@ class LiquidShape {
     Real squares = 0;         // of speeds
   };
   const Cell* find(std::uint64_t key) const;
-  Cell& make(std::uint64_t key);
+  std::uint32_t make(std::uint64_t key);  // in cells_
   void grow();
   std::uint64_t key_of(const Vec3& x) const;
   bool is_spray(const Vec3& x) const;
 
-  std::vector<Cell> cells_;  // an open hash table; count 0: empty
-  std::size_t used_ = 0;
+  std::vector<Cell> cells_;
+  std::vector<std::uint32_t> slots_;  // an open hash table of cells; kNone: empty
+  std::vector<std::uint32_t> own_;    // cell, by particle; kNone: it is nowhere
   std::vector<Vec3> bulk_, spray_;
   Real size_ = 1;  // m
   bool foams_ = false;

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "feder/fluid.h"
+#include "fluid/liquid_surface.h"
 #include "view/drawing.h"
 #include "view/liquid_shape.h"
 
@@ -238,7 +239,7 @@ TEST_CASE("a liquid in a plane is a sheet without holes", "[view][gl][liquid]") 
   CHECK(part(sheet, 80, 4, 2) < part(sheet, 80, 4, 0) + 25);
 }
 
-TEST_CASE("a liquid of 100,000 particles is collected in 20 ms", "[view][liquid][speed]") {
+TEST_CASE("a liquid of 100,000 particles is collected at the pace of pictures", "[view][liquid][speed]") {
   World world({}, catalog());
   FluidDesc d;
   d.spacing = Real(0.02), d.max_particles = 200000;
@@ -253,9 +254,19 @@ TEST_CASE("a liquid of 100,000 particles is collected in 20 ms", "[view][liquid]
     collector.collect(world, nullptr, {}, frame);
     best = std::min(best, own_seconds() - start);
   }
+  std::vector<Vec3> x;
+  fluid.positions(id, x);
+  LiquidSurface surface;
+  IsoMesh mesh;
+  double alone = 1e9;
+  for (int i = 0; i < 9; ++i) {
+    const double start = own_seconds();
+    surface.build(x, d.spacing, false, mesh);
+    alone = std::min(alone, own_seconds() - start);
+  }
   CHECK(frame.notes.empty());
-  WARN(fluid.count() << " particles: " << 1e3 * best << " ms, " << frame.indices.size() / 3 << " triangles");
+  WARN(fluid.count() << " particles: " << 1e3 * best << " ms, of which the surface " << 1e3 * alone << " ms, " << frame.indices.size() / 3 << " triangles");
 #if defined(NDEBUG) && !defined(FEDER_SANITIZED)
-  CHECK(1e3 * best < 40);
+  CHECK(1e3 * best < 60);  // 22 ms on a machine that does nothing else
 #endif
 }
