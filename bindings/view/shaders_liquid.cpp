@@ -15,6 +15,14 @@ vec3 unshown(vec3 c) {
   vec3 s = pow(c, vec3(2.2));
   return mix(s, 0.52 * s / (1.0 - 0.6 * s), step(0.8, s));
 }
+// One comparison: shadows on a liquid are faint.
+float sun_on(vec3 at, vec3 n) {
+  float facing = max(dot(n, sun.xyz), 0.0);
+  if (eye.w > 0.5 || sun.w < 0.5 || facing == 0.0) return facing;
+  vec3 s = (shadow_matrix * vec4(at + n * eye_texel(), 1.0)).xyz;
+  bool outside = any(lessThan(s.xy, vec2(0.0))) || any(greaterThan(s.xy, vec2(1.0))) || s.z > 1.0;
+  return outside ? facing : facing * texture(shadow_map, s);
+}
 vec3 water(vec3 at, vec3 n, float thickness, float foam) {
   vec3 d = normalize(at - eye.xyz);
   n = normalize(n - d * max(0.04 + dot(n, d), 0.0));
@@ -25,7 +33,7 @@ vec3 water(vec3 at, vec3 n, float thickness, float foam) {
   vec2 here = gl_FragCoord.xy / viewport.xy, there = clamp(0.5 + 0.5 * out_at.xy / out_at.w, 0.001, 0.999);
   if (view_depth(texture(behind_depth, there).r) < own) there = here;
   vec3 seen = unshown(texture(behind, there).rgb) * exp(-(absorption + turbidity) * thickness);
-  float sunny = eye.w > 0.5 ? max(dot(n, sun.xyz), 0.0) : sunlight(at, n);  // a sheet shades nothing
+  float sunny = sun_on(at, n);
   vec3 light = mix(vec3(0.34, 0.34, 0.34), vec3(0.54, 0.58, 0.64), 0.5 + 0.5 * n.y) + vec3(1.0, 0.955, 0.88) * sunny;
   vec3 body = seen + tint * light * (1.0 - exp(-turbidity * thickness));
   vec3 away = reflect(d, n);
