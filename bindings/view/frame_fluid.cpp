@@ -16,8 +16,8 @@ namespace {
 constexpr std::uint32_t kWater = 0x3b8dbb, kDroplet = 0xe6f0f5;
 constexpr float kClearWater = 0.9f, kClearColored = 0.5f;  // transparency of liquids that state none
 constexpr float kDropletSize = 0.3f;                       // spacings
-constexpr Real kCalm = Real(0.2);    // of the speed of waves as deep as the liquid: below, nothing foams
-constexpr std::size_t kSmooth = 50'000;  // particles up to which the skin is smoothed twice
+constexpr Real kCalm = Real(0.2);        // of the speed of waves as deep as the liquid: below, nothing foams
+constexpr std::size_t kSmooth = 30'000;  // particles up to which cells are finer, and the skin is smoothed more
 
 class FluidSource final : public FrameSource {
  public:
@@ -54,7 +54,8 @@ class FluidSource final : public FrameSource {
     l.color = own.value_or(rgb(kWater));
     const auto stated = c.appearance.transparencies.find(id);
     l.transparency = stated != c.appearance.transparencies.end() ? stated->second : own ? kClearColored : kClearWater;
-    l.depth = static_cast<float>(spacing) * std::pow(static_cast<float>(x_.size()), 1 / static_cast<float>(f.dimension));
+    l.depth =
+        static_cast<float>(spacing) * std::pow(static_cast<float>(x_.size()), 1 / static_cast<float>(f.dimension));
     if (f.dimension == 2)
       add_points(f, id, l, x_, 0.5f * static_cast<float>(spacing), kPrismDepth / 2 - 0.001f * l.depth);
     else if (x_.size() <= c.toggles.liquid_limit)
@@ -76,7 +77,7 @@ class FluidSource final : public FrameSource {
         for (const Vec3& v : mesh_.vertices) f.foam.push_back(shape_.foam(v));
         foam = std::span(f.foam).subspan(l.first_foam);
       }
-      smooth_mesh(mesh_.vertices, mesh_.triangles, foam, x_.size() <= kSmooth ? 2 : 1, scratch_, weights_);
+      smooth_mesh(mesh_.vertices, mesh_.triangles, foam, x_.size() <= kSmooth ? 3 : 2, scratch_, weights_);
       l.mesh = static_cast<std::uint32_t>(f.meshes.size());
       add_mesh(f, id, l.color, mesh_.vertices, mesh_.triangles);
       f.meshes.back().liquid = static_cast<std::uint32_t>(f.liquids.size());
@@ -117,10 +118,11 @@ class FluidSource final : public FrameSource {
   void add_splats(Collecting& c, ObjectId id, const Liquid& l, Real spacing) {
     add_points(c.frame, id, l, x_, 0.5f * static_cast<float>(spacing), 0);
     Note note{id, {}};
-    std::snprintf(note.text, sizeof note.text,
-                  "%s is drawn as drops: its surface is built up to %zu particles, it has %zu; --show liquid builds it all "
-                  "the same, a larger spacing has fewer",
-                  c.world.objects().describe(id).c_str(), c.toggles.liquid_limit, x_.size());
+    std::snprintf(
+        note.text, sizeof note.text,
+        "%s is drawn as drops: its surface is built up to %zu particles, it has %zu; --show liquid builds it all "
+        "the same, a larger spacing has fewer",
+        c.world.objects().describe(id).c_str(), c.toggles.liquid_limit, x_.size());
     c.frame.notes.push_back(note);
   }
 

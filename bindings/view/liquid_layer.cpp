@@ -17,14 +17,13 @@ enum Unit : GLenum { kBehind = 1, kBehindDepth, kWays, kDepths };  // texture un
 constexpr float kBallGrow = 1.6f, kBallShare = 0.47f, kSmoothing = 5.0f;
 constexpr float kBumpGrow = 4, kLevel = 0.6f;  // bumps of a flat sheet add up to 3.1
 constexpr float kSheet = 0.7f;                 // depths of the liquid
-constexpr float kAbsorption = 0.5f, kTurbidity = 1.6f, kFarthest = 0.5f;
+constexpr float kAbsorption = 0.8f, kTurbidity = 1.6f, kFarthest = 0.5f;
 
 float linear_part(std::uint8_t s) { return std::pow(static_cast<float>(s) / 255, 2.2f); }
 
 // -log of the colour, as if light had come through once the depth; and what scatters, without end when opaque.
 struct Extinction {
-  explicit Extinction(const Liquid& l)
-      : tint{linear_part(l.color.r), linear_part(l.color.g), linear_part(l.color.b)} {
+  explicit Extinction(const Liquid& l) : tint{linear_part(l.color.r), linear_part(l.color.g), linear_part(l.color.b)} {
     const float depth = std::max(l.depth, 1e-6f), clear = std::clamp(l.transparency, 0.0f, 1.0f);
     const auto along = [&](float part) { return kAbsorption * -std::log(std::clamp(part, 0.01f, 1.0f)) / depth; };
     // at its clearest it has a little colour still

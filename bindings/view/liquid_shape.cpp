@@ -8,10 +8,10 @@
 namespace feder::view {
 namespace {
 
-constexpr Real kCell = Real(2.4);                           // spacings
-constexpr std::uint32_t kLoose = 5;                         // in eight cells, which have 110 in a liquid at rest
-constexpr Real kShrink = Real(0.5), kSwell = Real(-0.53);   // shares of the way, Taubin's lambda and mu
-constexpr Real kFull = Real(2.5);                           // calm differences, at which all is foam
+constexpr Real kCell = Real(2.4);                               // spacings
+constexpr std::uint32_t kLoose = 5;                             // in eight cells, which have 110 in a liquid at rest
+constexpr Real kShrink = Real(0.5), kSwell = Real(-0.53);       // shares of the way, Taubin's lambda and mu
+constexpr Real kFull = Real(2.5);                               // calm differences, at which all is foam
 constexpr std::int64_t kBias = 1 << 20, kMask = (1 << 21) - 1;  // cells by 21 bits an axis
 
 std::uint64_t packed(const std::int64_t (&c)[3]) {

@@ -60,8 +60,8 @@ struct PanelLayout {
   bool fit = true;         // frame everything in the next picture
   bool auto_frame = true;  // and step back as things spread out, until the user takes the camera
   bool save_picture = false;
-  std::string open_file;  // asked for by the picker
-  double now = 0;         // s
+  std::string open_file;           // asked for by the picker
+  double now = 0;                  // s
   std::vector<std::string> notes;  // what is not drawn as asked for
   int pictures = 0;
   double frame_ms = 0, cpu_ms = 0;  // of a picture: wall time, and what the processor took without waiting

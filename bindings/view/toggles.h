@@ -20,14 +20,14 @@ struct Toggles {
   bool contacts = false;  // points and normals
   bool impulses = false;  // length by normal impulse
   bool velocities = false;
-  bool axes = false;                   // centre of mass and body axes
-  bool islands = false;                // bodies of a sleeping island are joined by lines
-  bool bounds = false;                 // boxes of the broad phase
-  bool labels = false;                 // names
-  bool marks = false;                  // this step's events
-  bool plots = false;                  // energy, penetration
+  bool axes = false;                        // centre of mass and body axes
+  bool islands = false;                     // bodies of a sleeping island are joined by lines
+  bool bounds = false;                      // boxes of the broad phase
+  bool labels = false;                      // names
+  bool marks = false;                       // this step's events
+  bool plots = false;                       // energy, penetration
   std::size_t liquid_limit = kLiquidLimit;  // particles of a fluid in space up to which its surface is built
-  const char* point_scalar = "speed";  // what colours points: "speed", "density", "pressure", "none"
+  const char* point_scalar = "speed";       // what colours points: "speed", "density", "pressure", "none"
 };
 
 struct ToggleInfo {

@@ -98,6 +98,28 @@ TEST_CASE("mistakes on the command line are named", "[view][files]") {
   CHECK_THAT(nothing.err, Catch::Contains("expected egl or osmesa"));
 }
 
+TEST_CASE("a fluid too large for a surface is named once, with the cure", "[view][files][liquid]") {
+  const feder::test::Program p;
+  p.write("sea.lua", R"(local feder = require "feder"
+return feder.scene { seconds = 0.1, build = function(world)
+  local sea = world:fluid { name = "sea", spacing = 0.02, max_particles = 200000, transparency = 0.7 }
+  sea:fill { box = { { 0, 0, 0 }, { 1, 1, 0.9 } } }
+end })");
+  const std::string render = "render sea.lua --size 64x48 --quiet --at 0 ";
+  Outcome o = p.run(render + "-o a.png");
+  CHECK(o.status == 0);
+  CHECK_THAT(o.err, Catch::Contains("sea.lua: fluid \"sea\" is drawn as drops: its surface is built up to 100000"));
+  CHECK_THAT(o.err, Catch::Contains("--show liquid"));
+  o = p.run(render + "-o a.gif --seconds 0.02 --fps 100");
+  CHECK(o.status == 0);
+  CHECK(std::count(o.err.begin(), o.err.end(), '\n') == 1);
+  CHECK(p.run(render + "-o a.png --show liquid").err.empty());
+  p.write("wrong.lua", "local feder = require 'feder'\nlocal w = feder.world {}\nw:fluid { transparency = 1.5 }\n");
+  o = p.run("run wrong.lua");
+  CHECK(o.status != 0);
+  CHECK_THAT(o.err, Catch::Contains("wrong.lua:3: world:fluid.transparency: expected"));
+}
+
 TEST_CASE("rendering does not change a run", "[view][files]") {
   const feder::test::Program p;
   p.write("scene.lua", std::string(kScene).insert(

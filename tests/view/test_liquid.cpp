@@ -1,4 +1,5 @@
-// Liquids in pictures: one sees through them, tinted by the way through; spray, sheets, splats and what is said of them.
+// Liquids in pictures: one sees through them, tinted by the way through; spray, sheets, splats and what is said of
+// them.
 #include <array>
 #include <chrono>
 #include <ctime>
@@ -32,8 +33,8 @@ struct Pool {
     d.name = "pond", d.spacing = Real(0.1);
     fluid = world.need<Fluid>().add_fluid(d);
     if (depth > 0)
-      world.need<Fluid>().fill(fluid, *make_box(2, depth, dimension == 3 ? 2 : 1),
-                               Pose{vec3(0, depth / 2, 0), {}}, Vec3::Zero());
+      world.need<Fluid>().fill(fluid, *make_box(2, depth, dimension == 3 ? 2 : 1), Pose{vec3(0, depth / 2, 0), {}},
+                               Vec3::Zero());
   }
   static WorldDesc desc(int dimension) {
     WorldDesc d;
@@ -266,7 +267,8 @@ TEST_CASE("a liquid of 100,000 particles is collected at the pace of pictures", 
     alone = std::min(alone, own_seconds() - start);
   }
   CHECK(frame.notes.empty());
-  WARN(fluid.count() << " particles: " << 1e3 * best << " ms, of which the surface " << 1e3 * alone << " ms, " << frame.indices.size() / 3 << " triangles");
+  WARN(fluid.count() << " particles: " << 1e3 * best << " ms, of which the surface " << 1e3 * alone << " ms, "
+                     << frame.indices.size() / 3 << " triangles");
   // what the passes of a liquid add to a picture, by surface and by splats
   Headless gl(1280, 720);
   Renderer renderer(gl.loader());
@@ -289,7 +291,8 @@ TEST_CASE("a liquid of 100,000 particles is collected at the pace of pictures", 
   opaque.meshes[0].liquid = kNone, opaque.liquids.clear();
   collector.collect(world, nullptr, few, splats), collector.collect(world, nullptr, balls, points);
   nothing.meshes.clear(), nothing.liquids.clear();
-  WARN("a picture of 1280 x 720: " << picture(nothing) << " ms without, " << picture(opaque) << " ms as an opaque mesh, " << picture(frame) << " ms with the liquid, "
+  WARN("a picture of 1280 x 720: " << picture(nothing) << " ms without, " << picture(opaque)
+                                   << " ms as an opaque mesh, " << picture(frame) << " ms with the liquid, "
                                    << picture(splats) << " ms by splats, " << picture(points) << " ms by balls");
 #if defined(NDEBUG) && !defined(FEDER_SANITIZED)
   CHECK(1e3 * best < 60);  // 22 ms on a machine that does nothing else
