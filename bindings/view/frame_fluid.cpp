@@ -17,7 +17,7 @@ constexpr std::uint32_t kWater = 0x3b8dbb, kDroplet = 0xe6f0f5;
 constexpr float kClearWater = 0.9f, kClearColored = 0.5f;  // transparency of liquids that state none
 constexpr float kDropletSize = 0.3f;                       // spacings
 constexpr Real kCalm = Real(0.2);        // of the speed of waves as deep as the liquid: below, nothing foams
-constexpr std::size_t kSmooth = 30'000;  // particles up to which cells are finer, and the skin is smoothed more
+constexpr std::size_t kSmooth = 15'000;  // particles up to which cells are finer, and the skin is smoothed more
 
 class FluidSource final : public FrameSource {
  public:

@@ -8,13 +8,21 @@
 namespace feder {
 namespace {
 
-constexpr Real kCell = Real(0.8), kFineCell = Real(0.5), kReach = Real(1.6), kBall = Real(0.55);  // spacings
-constexpr std::size_t kMostFine = 30'000;
+constexpr Real kFineCell = Real(0.5), kMiddleCell = Real(0.8), kCoarseCell = 1, kReach = Real(1.6),
+               kBall = Real(0.55);                               // spacings
+constexpr std::size_t kMostFine = 15'000, kMostMiddle = 60'000;  // particles; any takes 20 ms of one core at most
 constexpr double kMostBlocks = 1 << 22;
 constexpr double kKept = 1.5;         // standard deviations; of an even spread all lies within 1.74
 constexpr Real kCoarse = Real(2.4);   // spacings, of a cell that tells what lies deep
 constexpr int kFull = 7;              // particles in it; 14 at rest, 8 at least in a lattice
 constexpr Real kAround = Real(1.05);  // spacings about a deep particle that lie inside
+
+// Without a call, as the library's are where the processor may be of 2003.
+int floored(Real x) {
+  const int i = static_cast<int>(x);
+  return i - (static_cast<Real>(i) > x ? 1 : 0);
+}
+int ceiled(Real x) { return -floored(-x); }
 
 }  // namespace
 
@@ -23,7 +31,8 @@ void LiquidSurface::bound(std::span<const Vec3> positions, Real spacing) {
   low_ = Vec3::Constant(-kInfinity), high_ = Vec3::Constant(kInfinity);
   reach_ = kReach * spacing, ball_ = kBall * spacing;
   grid_ = IsoGrid{};
-  grid_.cell = (positions.size() <= kMostFine ? kFineCell : kCell) * spacing;
+  const std::size_t count = positions.size();
+  grid_.cell = (count <= kMostFine ? kFineCell : count <= kMostMiddle ? kMiddleCell : kCoarseCell) * spacing;
   coarse_size_ = kCoarse * spacing;
   for (;;) {
     Vec3 lo = Vec3::Constant(kInfinity), hi = Vec3::Constant(-kInfinity);
@@ -95,7 +104,7 @@ void LiquidSurface::each_block(const Vec3& x, F&& f) const {
   for (int k = 0; k < 3; ++k) {
     // a block has the corners at both of its ends
     const Real at = (x[k] - grid_.origin[k]) / grid_.cell, far = reach_ / grid_.cell;
-    const int lo = static_cast<int>(std::ceil(at - far)), hi = static_cast<int>(std::floor(at + far));
+    const int lo = ceiled(at - far), hi = floored(at + far);
     first[k] = std::max(0, (lo + IsoGrid::kBlock - 1) / IsoGrid::kBlock - 1);
     last[k] = std::min(grid_.blocks(k) - 1, hi / IsoGrid::kBlock);
   }
@@ -116,14 +125,14 @@ void LiquidSurface::sum_up(std::span<const Vec3> positions, const IsoBlock& bloc
   for (std::uint32_t at = first_[index]; at < first_[index + 1]; ++at) {
     const Vec3 p = positions[members_[at]] - origin;
     const auto range = [&](Real u, int& lo, int& hi) {
-      lo = std::max(0, static_cast<int>(std::ceil(u / cell - far)));
-      hi = std::min(row - 1, static_cast<int>(std::floor(u / cell + far)));
+      lo = std::max(0, ceiled(u / cell - far));
+      hi = std::min(row - 1, floored(u / cell + far));
     };
     int x0, x1, y0, y1, z0, z1;
     if (deep_[coarse_of(positions[members_[at]])]) {
       const auto near = [&](Real u, int& lo, int& hi) {
-        lo = std::max(0, static_cast<int>(std::ceil(u / cell - around)));
-        hi = std::min(row - 1, static_cast<int>(std::floor(u / cell + around)));
+        lo = std::max(0, ceiled(u / cell - around));
+        hi = std::min(row - 1, floored(u / cell + around));
       };
       near(p[0], x0, x1), near(p[1], y0, y1), near(p[2], z0, z1);
       for (int z = z0; z <= z1; ++z)
@@ -133,7 +142,7 @@ void LiquidSurface::sum_up(std::span<const Vec3> positions, const IsoBlock& bloc
     }
     range(p[1], y0, y1), range(p[2], z0, z1);
     // as many in a row as it reaches, but for one more whose weight is zero
-    x0 = std::clamp(static_cast<int>(std::ceil(p[0] / cell - far)), -kPad, row);
+    x0 = std::clamp(ceiled(p[0] / cell - far), -kPad, row);
     const Real from = p[0] - static_cast<Real>(x0) * cell;
     for (int z = z0; z <= z1; ++z) {
       const Real dz = p[2] - static_cast<Real>(z) * cell;
@@ -153,7 +162,7 @@ void LiquidSurface::sum_up(std::span<const Vec3> positions, const IsoBlock& bloc
 
 // Half a spacing less the distance from the mean of the particles near.
 void LiquidSurface::sample(std::span<const Vec3> positions, const IsoBlock& block, std::uint32_t index, Real* values) {
-  static_assert(2 * kReach <= 4 * kCell && 2 * kReach <= 8 * kFineCell);
+  static_assert(2 * kReach <= 4 * kMiddleCell && 2 * kReach <= 8 * kFineCell);
   constexpr int row = IsoBlock::kRow, layer = IsoBlock::kLayer;
   if (positions.size() <= kMostFine)
     sum_up<8>(positions, block, index);

@@ -7,9 +7,9 @@ namespace feder {
 
 // By the distance from the mean place of the particles near, weighed by (1 - r^2/R^2)^3 (Zhu & Bridson, "Animating Sand
 // as a Fluid", TOG 2005, eq. 1-3): a lone particle is a ball of half a spacing, flat rows give a flat surface. Marching
-// cubes in blocks where particles are, with cells of half a spacing up to kMostFine particles, of .8 beyond. Kept
-// between calls: memory. Weak spots: hollows narrower than a spacing fill up; a liquid strewn so widely that its box
-// holds more than kMostBlocks blocks shows only what lies in the middle of it, or nothing.
+// cubes in blocks where particles are, with cells of half a spacing up to kMostFine particles, of .8 up to kMostMiddle,
+// of one beyond. Kept between calls: memory. Weak spots: hollows narrower than a spacing fill up; a liquid strewn so
+// widely that its box holds more than kMostBlocks blocks shows only what lies in the middle of it, or nothing.
 class LiquidSurface {
  public:
   // Replaces the content of the mesh; m. Positions that are not finite are left out.
