@@ -79,7 +79,9 @@ class FluidSource final : public FrameSource {
       }
       smooth_mesh(mesh_.vertices, mesh_.triangles, foam, x_.size() <= kSmooth ? 3 : 2, scratch_, weights_);
       l.mesh = static_cast<std::uint32_t>(f.meshes.size());
-      add_mesh(f, id, l.color, mesh_.vertices, mesh_.triangles);
+      Color skin = l.color;  // as files of pictures have it, that know no depth
+      skin.a = static_cast<std::uint8_t>(255 - 180 * l.transparency);
+      add_mesh(f, id, skin, mesh_.vertices, mesh_.triangles);
       f.meshes.back().liquid = static_cast<std::uint32_t>(f.liquids.size());
       f.liquids.push_back(l);
     }
@@ -120,8 +122,8 @@ class FluidSource final : public FrameSource {
     Note note{id, {}};
     std::snprintf(
         note.text, sizeof note.text,
-        "%s is drawn as drops: its surface is built up to %zu particles, it has %zu; --show liquid builds it all "
-        "the same, a larger spacing has fewer",
+        "%s is drawn as drops: its surface is built up to %zu particles, it has %zu; --show liquid (view: --draw "
+        "liquid) builds it all the same, a larger spacing has fewer",
         c.world.objects().describe(id).c_str(), c.toggles.liquid_limit, x_.size());
     c.frame.notes.push_back(note);
   }
