@@ -1,11 +1,11 @@
--- Honey and water: two columns of one size are let go, back to back. The water is at the far wall before the honey has
--- moved by its own width: its front runs as Martin and Moyce measured in 1952. The honey creeps: in the end as the fifth
--- root of time, x = 1.411 (g q^3 t / (3 nu))^(1/5) (Huppert, JFM 121, 1982). One solver for both.
+-- Honey and water: two columns of one size are let go, back to back. The water is three widths out, as Martin and Moyce
+-- measured in 1952, before the honey has moved by one. The honey creeps: in the end as the fifth root of time,
+-- x = 1.411 (g q^3 t / (3 nu))^(1/5) (Huppert, JFM 121, 1982). One solver for both.
 local feder = require "feder"
 local fluid = require "feder.fluid"
 
-local spacing = feder.param("spacing", 0.005, { min = 0.004, max = 0.0075, help = "m" })
-local viscosity = feder.param("viscosity", 10, { min = 6, max = 100, help = "of the honey, Pa s" })
+local spacing = feder.param("spacing", 0.005, { min = 0.004, max = 0.006, help = "m" })
+local viscosity = feder.param("viscosity", 10, { min = 8, max = 100, help = "of the honey, Pa s" })
 
 local a, wall, far = 0.1, 0.02, 0.5  -- columns a x a, walls, half of the tank, m
 local density = 1420

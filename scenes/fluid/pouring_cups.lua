@@ -1,4 +1,4 @@
--- Two cups that move to and fro together: one is tipped over the other, and all of its water is in the other then.
+-- Two cups that move to and fro together: one is tipped over the other, and what was in it is in the other then.
 local feder = require "feder"
 
 local spacing = feder.param("spacing", 0.03, { min = 0.02, max = 0.04, help = "m" })

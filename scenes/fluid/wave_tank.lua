@@ -3,10 +3,10 @@
 local feder = require "feder"
 
 local spacing = feder.param("spacing", 0.025, { min = 0.015, max = 0.03, help = "m" })
-local period = feder.param("period", 1, { min = 0.8, max = 1.6, help = "of the paddle, s" })
-local stroke = feder.param("stroke", 0.07, { min = 0.02, max = 0.12, help = "of the paddle, from end to end, m" })
+local period = feder.param("period", 1, { min = 0.9, max = 1.2, help = "of the paddle, s" })
+local stroke = feder.param("stroke", 0.07, { min = 0.03, max = 0.09, help = "of the paddle, from end to end, m" })
 
-local depth, flat, slope = 0.3, 3.6, 1 / 4  -- of the water, of the floor before the beach, m; of the beach
+local depth, flat, slope = 0.3, 3.6, 1 / 5  -- of the water, of the floor before the beach, m; of the beach
 local wall, rim = 0.15, 0.5                 -- thickness of the paddle; its height, and that of the beach, m
 local formed = 5 * period                   -- s, when the waves have passed all gauges
 
@@ -34,7 +34,7 @@ end
 
 return feder.scene {
   title = "Wave tank",
-  seconds = 9,
+  seconds = 9 * period,
   picture = 6.5,
   camera = { target = { 2.3, 0.3, 0 }, distance = 10 },
   world = { gravity = { 0, -9.81 }, dt = 1 / 60, substeps = 4, dimension = 2 },
