@@ -17,7 +17,7 @@ return feder.scene {
   title = "Sluice",
   seconds = 2.4,
   picture = 1.3,
-  camera = { target = { -0.4, 0.25, 0 }, distance = 6.2 },
+  camera = { target = { -0.4, 0.25, 0 }, distance = 7 },
   world = { gravity = { 0, -9.81 }, dt = 1 / 60, substeps = 4, dimension = 2 },
 
   build = function(world, scene)

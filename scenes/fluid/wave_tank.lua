@@ -36,7 +36,7 @@ return feder.scene {
   title = "Wave tank",
   seconds = 9 * period,
   picture = 6.5,
-  camera = { target = { 2.3, 0.3, 0 }, distance = 10 },
+  camera = { target = { 2.3, 0.3, 0 }, distance = 11.5 },
   world = { gravity = { 0, -9.81 }, dt = 1 / 60, substeps = 4, dimension = 2 },
 
   build = function(world, scene)
