@@ -1,4 +1,6 @@
 // world:fluid{ ... }, and what it is fed and emptied by: fluid:fill{}, fluid:emitter{}, fluid:drain{}.
+#include <cmath>
+
 #include "fluid/solver.h"
 #include "lua/box_option.h"
 #include "lua/buffer.h"
@@ -22,22 +24,30 @@ void read_kinematic(Options& o, const OptionRow& row, FluidReading& d) {
   d.viscosity = d.kinematic * d.density;
 }
 
-constexpr const char* kWallSlip = "none, free";
-
-void read_wall_slip(Options& o, const OptionRow& row, FluidReading& d) {
-  int index = 0;
-  if (o.choice(row.name, kWallSlip, index)) d.wall_slip = split_choices(kWallSlip)[static_cast<std::size_t>(index)];
+// The angle in the liquid of a drop on a wall, by the work of adhesion (Dupre 1869, Young 1805).
+void read_contact_angle(Options& o, const OptionRow& row, FluidReading& d) {
+  Real angle = 0;
+  if (!o.real(row.name, angle, row.range)) return;
+  if (o.has("adhesion")) o.raise(row.name, "expected adhesion (N/m) or contact_angle (degrees), got both");
+  if (!(d.surface_tension > 0)) o.raise(row.name, "expected a surface_tension above 0 with it");
+  d.adhesion = d.surface_tension * (1 + std::cos(angle * Real(3.14159265358979323846 / 180)));
 }
-std::string default_wall_slip(const FluidReading& d) { return print_value(d.wall_slip); }
 
-constexpr const char* kIntegrator = "leapfrog, symplectic_euler";
+// A word that the description keeps as it is.
+constexpr const char kWallSlip[] = "none, free", kSurfaceModel[] = "cohesion, color_field",
+                     kIntegrator[] = "leapfrog, symplectic_euler";
 
-void read_integrator(Options& o, const OptionRow& row, FluidReading& d) {
-  int index = 0;
-  if (o.choice(row.name, kIntegrator, index))
-    d.integrator = split_choices(kIntegrator)[static_cast<std::size_t>(index)];
+template <auto Field, const char* kChoices>
+constexpr Option<FluidReading> word(const char* name) {
+  return {{.name = name, .choices = kChoices},
+          "string",
+          [](Options& o, const OptionRow& row, FluidReading& d) {
+            int index = 0;
+            if (o.choice(row.name, kChoices, index))
+              d.*Field = split_choices(kChoices)[static_cast<std::size_t>(index)];
+          },
+          [](const FluidReading& d) { return print_value(d.*Field); }};
 }
-std::string default_integrator(const FluidReading& d) { return print_value(d.integrator); }
 
 constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::name>("name"),
@@ -45,8 +55,11 @@ constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::density>("density", "kg/m3", kPositive),
     field<&FluidDesc::viscosity>("viscosity", "Pa s", kNotNegative),
     {{.name = "kinematic_viscosity", .unit = "m2/s", .range = kNotNegative}, "number", read_kinematic},
-    {{.name = "wall_slip", .choices = kWallSlip}, "string", read_wall_slip, default_wall_slip},
+    word<&FluidDesc::wall_slip, kWallSlip>("wall_slip"),
     field<&FluidDesc::surface_tension>("surface_tension", "N/m", kNotNegative),
+    word<&FluidDesc::surface_model, kSurfaceModel>("surface_model"),
+    field<&FluidDesc::adhesion>("adhesion", "N/m", kNotNegative),
+    {{.name = "contact_angle", .unit = "degrees", .range = {0, 180}}, "number", read_contact_angle},
     field<&FluidDesc::solver>("solver").of(names_of<fluid_solvers>),
     field<&FluidDesc::kernel>("kernel").of(names_of<kernels>).unset(),
     field<&FluidDesc::neighbors>("neighbors").of(names_of<neighbor_searches>),
@@ -54,7 +67,7 @@ constexpr Option<FluidReading> kFluid[] = {
     field<&FluidDesc::stiffness>("stiffness", "Pa", kNotNegative),
     field<&FluidDesc::compression>("compression", "", {0, 0.5, true}).unset(),
     field<&FluidDesc::artificial_viscosity>("artificial_viscosity", "", {0, 10}),
-    {{.name = "integrator", .choices = kIntegrator}, "string", read_integrator, default_integrator},
+    word<&FluidDesc::integrator, kIntegrator>("integrator"),
     field<&FluidDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     field<&FluidDesc::iterations>("iterations", "", {1, 1000}),
     field<&FluidDesc::tolerance>("tolerance", "%", {1e-6, 100}),

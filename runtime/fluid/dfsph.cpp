@@ -44,13 +44,16 @@ constexpr int kMostIterations = 100;  // of a solve
 // tolerance and kMostGrowth.
 constexpr double kLeastGrowth = 0.05, kGrowthByTravel = 0.012, kMostGrowth = 0.001;
 constexpr Real kLivelyTravel = Real(0.04);  // in a substep, in spacings, of a typical particle that hears no noise
+constexpr Real kCapillary = Real(0.25);     // of the time of the shortest ripple (Morris 2000)
 constexpr Real kCarriedLoad = 1;  // g h^2 H / d^2: how far, in spacings, the pressure of a column moves a particle
-constexpr Real kMostRebound = Real(0.01);     // of the density ratio, that velocities take back in a substep
-constexpr Real kLoosest = Real(0.01);         // of the tolerances that are used: with looser ones water boils
-constexpr Real kStiffness = 20;               // least (c h / d)^2, c the speed of sound
-constexpr Real kAtmosphere = 101325;          // Pa
-constexpr Real kOpen = Real(0.15);            // share of the kernel in the air, from which on there is no suction
-constexpr Real kRepulsion = Real(0.3);        // of the suction, between particles a spacing apart
+constexpr Real kMostRebound = Real(0.01);  // of the density ratio, that velocities take back in a substep
+constexpr Real kLoosest = Real(0.01);      // of the tolerances that are used: with looser ones water boils
+constexpr Real kStiffness = 20;            // least (c h / d)^2, c the speed of sound
+constexpr Real kAtmosphere = 101325;       // Pa
+constexpr Real kOpen = Real(0.15);         // share of the kernel in the air, from which on there is no suction
+constexpr Real kRepulsion = Real(0.3);     // of the suction, between particles a spacing apart
+// Of the pressure, with the tension of the colour field, in the plane and in space. Twice that tears drops apart.
+constexpr Real kSkinRepulsion[2] = {Real(0.5), Real(0.2)};
 constexpr Real kSpread = Real(0.06);          // of the gradient of the density ratio times the squared support
 constexpr Real kMostSpread = Real(0.1);       // spacings
 constexpr Real kMaxShift = Real(0.5);         // spacings, of a displacement
@@ -79,6 +82,7 @@ class Dfsph final : public FluidSolver {
   }
   bool iterates() const override { return true; }
   bool bears_suction() const override { return true; }
+  bool bears_color_field() const override { return true; }
 
  private:
   void choose_steps(StepContext& c);
@@ -93,7 +97,7 @@ class Dfsph final : public FluidSolver {
   Real wanted_steps(FluidPool& p, const StepContext& c) const;
   void find_compliance(FluidPool& p) const;
   void find_suction(FluidPool& p, std::uint32_t i) const;
-  void keep_apart(FluidPool& p, StepContext& c) const;
+  void keep_apart(FluidPool& p, Real share, Real most, StepContext& c) const;
   void spread(FluidPool& p, StepContext& c) const;
   static Real tolerance(const FluidPool& p) { return std::min(p.desc.tolerance / 100, kLoosest); }
   // Of a typical particle in a substep, in spacings.
@@ -113,7 +117,8 @@ Real Dfsph::wanted_steps(FluidPool& p, const StepContext& c) const {
   p.pace = column.pace;
   p.head = column.head;
   const Real load = p.head * c.h * c.h / (d * d);
-  return std::ceil(std::max({c.h * speed / travel, std::sqrt(load / kCarriedLoad), Real(1)}));
+  const Real ripple = tension_by_color(p) ? kCapillary * capillary_time(p, d) : kInfinity;
+  return std::ceil(std::max({c.h * speed / travel, std::sqrt(load / kCarriedLoad), c.h / ripple, Real(1)}));
 }
 
 void Dfsph::choose_steps(StepContext& c) {
@@ -247,8 +252,9 @@ void Dfsph::correct_velocities(StepContext& c) {
     find_compliance(p);
     if (travel(p) <= kLivelyTravel) damp_still_noise(p, h_, c);
     if (p.desc.viscosity > 0 && !needs_implicit_viscosity(p, h_)) add_viscosity(p, *boundary, h_, c);
-    if (p.desc.surface_tension > 0) add_tension(p, *boundary, h_, c);
-    if (!p.least.empty()) keep_apart(p, c);
+    if (has_tension(p)) add_tension(p, *boundary, h_, c);
+    if (!p.least.empty()) keep_apart(p, kRepulsion, 0, c);
+    if (tension_by_color(p)) keep_apart(p, kSkinRepulsion[p.dimension - 2], p.color_energy * h_ * p.volume, c);
     p.last_h = h_;
     ++p.steps;
   });
@@ -268,16 +274,19 @@ void Dfsph::correct_velocities(StepContext& c) {
 
 // Under suction particles cluster and leave holes (Swegle, Hicks & Attaway 1995). Two things together prevent that,
 // each alone loses a siphon within a second: close pairs repel each other by a share of it (Monaghan 2000) ...
-void Dfsph::keep_apart(FluidPool& p, StepContext& c) const {
+// Under the tension of the colour field they gather to strings along the surface, more and more of them, and a drop
+// loses its tension (a tenth is left after six swings), unless close pairs repel each other by a share of the pressure,
+// `most` at most, as a multiplier.
+void Dfsph::keep_apart(FluidPool& p, Real share, Real most, StepContext& c) const {
   SweepInput in = p.sweep_input();
   const double at_rest = p.kernel->density.value(p.dimension, static_cast<double>(p.desc.spacing / p.support));
   in.near = static_cast<Real>(p.kernel->norm_density[p.dimension - 2] / at_rest);
   const auto weigh = [&](Real by) {
     c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = by * std::max(-p.lambda[i], Real(0));
+      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = by * std::max(-p.lambda[i], std::min(p.lambda[i], most));
     });
   };
-  weigh(kRepulsion);
+  weigh(share);
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->push_near(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i)

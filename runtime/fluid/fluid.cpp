@@ -26,6 +26,9 @@ void check_desc(const FluidDesc& d) {
     throw SceneError("fluid: wall_slip: expected \"none\" or \"free\", got \"" + d.wall_slip + "\"");
   need(d.surface_tension >= 0 && is_finite(d.surface_tension), "surface_tension", "a finite number, 0 or more",
        d.surface_tension);
+  if (d.surface_model != "cohesion" && d.surface_model != "color_field")
+    throw SceneError("fluid: surface_model: expected \"cohesion\" or \"color_field\", got \"" + d.surface_model + "\"");
+  need(d.adhesion >= 0 && is_finite(d.adhesion), "adhesion", "a finite number, 0 or more", d.adhesion);
   if (d.integrator != "leapfrog" && d.integrator != "symplectic_euler")
     throw SceneError("fluid: integrator: expected \"leapfrog\" or \"symplectic_euler\", got \"" + d.integrator + "\"");
   need(d.support == 0 || (d.support >= Real(1.2) && d.support <= 4), "support", "1.2 to 4 spacings", d.support);
@@ -143,6 +146,9 @@ ObjectId Fluid::add_fluid(const FluidDesc& desc) {
   Impl& m = *impl_;
   auto p = std::make_unique<FluidPool>(m.arena, desc, m.dimension);
   m.check_suits(*p);
+  if (p->colored && !m.solver_of(*p).bears_color_field())
+    throw SceneError("fluid: surface_model: expected \"cohesion\" with solver \"" + desc.solver +
+                     "\", whose surface would crowd until it has no tension, got \"color_field\"");
   if (desc.negative_pressure > 0 && !m.solver_of(*p).bears_suction())
     throw SceneError("fluid: negative_pressure: expected 0 with solver \"" + desc.solver +
                      "\", which cannot tell suction from a free surface; take the default solver");

@@ -1,11 +1,4 @@
-// Surface tension and the damping of noise, applied to velocities.
-// Tension: neighbours attract each other, strongest at half the support (Akinci, Akinci & Teschner 2013), with the
-// strength that gives a sharp surface the wanted tension (Kirkwood & Buff 1949, pool.cpp): sigma is in N/m. Forces
-// along the lines of pairs, so all momentum is kept. It must not have the shape of the kernel: where the density is
-// held everywhere, attraction by the same kernel is the same everywhere, and there is no tension at all. The colour
-// field's curvature (Brackbill 1992, Mueller 2003) was tried instead: where pressure does not pull, its noise tears the
-// surface apart. The boundary does not attract: fluids with tension do not wet. Weak spot: cold particles order
-// themselves; in 3D a drop of a few thousand of them is held by its own lattice and swings too little.
+// Damping of noise, applied to velocities.
 #include <algorithm>
 #include <cmath>
 
@@ -25,44 +18,6 @@ constexpr Real kMaxNoiseShare = Real(0.5);  // of them, in a substep
 constexpr Real kCrowd = Real(1.5);  // density over that at rest, beyond which they are damped less
 
 }  // namespace
-
-namespace {
-
-// Each fluid in turn is pulled by all, particles that lie side by side in one sweep.
-void add_tension_of_mixture(FluidPool& p, Real h, StepContext& c) {
-  const SweepInput in = p.sweep_input();
-  for (std::uint32_t k = 0; k < p.phases.size(); ++k) {
-    const FluidPool& own = *p.phases[k];
-    const Real share = h / (own.mass * p.support);
-    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = share * p.pull_between(k, p.phase[i]);
-    });
-    c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first, end = first; i < last; i = end) {
-        for (end = i + 1; end < last && p.phase[end] == p.phase[i];) ++end;
-        if (p.phase[i] != k) continue;
-        p.sweeps->cohere_by(in, i, end, &p.move[0].x);
-        for (std::uint32_t n = i; n < end; ++n) p.v[n].set(p.v[n].vec() - p.move[n].vec());
-      }
-    });
-  }
-  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 0;
-  });
-}
-
-}  // namespace
-
-void add_tension(FluidPool& p, Boundary&, Real h, StepContext& c) {
-  if (p.is_mixture()) return add_tension_of_mixture(p, h, c);
-  const SweepInput in = p.sweep_input();
-  const Real pull = h * p.cohesion / (p.mass * p.support);
-  FEDER_ASSERT(!(pull < 0));
-  c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    p.sweeps->cohere(in, first, last, &p.move[0].x);
-    for (std::uint32_t i = first; i < last; ++i) p.v[i].set(p.v[i].vec() - pull * p.move[i].vec());
-  });
-}
 
 void damp_still_noise(FluidPool& p, Real h, StepContext& c) {
   if (p.is_mixture() && !p.layered) return;  // it would hold drops of one fluid in the other

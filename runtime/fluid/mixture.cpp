@@ -33,6 +33,7 @@ FluidDesc desc_of(const std::vector<FluidPool*>& fluids) {
     const FluidDesc& o = p->desc;
     d.density = std::max(d.density, o.density), d.viscosity = std::max(d.viscosity, o.viscosity);
     d.surface_tension = std::max(d.surface_tension, o.surface_tension);
+    d.adhesion = std::max(d.adhesion, o.adhesion);
     d.stiffness = std::max(d.stiffness, o.stiffness), d.iterations = std::max(d.iterations, o.iterations);
     d.negative_pressure = std::max(d.negative_pressure, o.negative_pressure);
     d.tolerance = std::min(d.tolerance, o.tolerance), d.spacing = std::max(d.spacing, o.spacing);

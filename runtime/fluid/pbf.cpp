@@ -365,7 +365,7 @@ void Pbf::apply_viscosity(StepContext& c) {
       for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 0;
     });
     if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h_, c);
-    if (p.desc.surface_tension > 0) add_tension(p, *boundary, h_, c);
+    if (has_tension(p)) add_tension(p, *boundary, h_, c);
   });
 }
 

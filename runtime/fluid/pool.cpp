@@ -7,6 +7,10 @@
 namespace feder {
 namespace {
 
+// Of the energy of a flat face of a lattice, that the surface of a drop has with color_field once its outermost layers
+// have settled: by the periods of swings of 2,000 to 4,000 particles of dfsph, tests/fluid/test_droplet.cpp.
+constexpr double kSettled[2] = {0.758, 1.35};
+
 constexpr Real kFar = Real(1e9);  // m, of the sentinel; its square is finite in float
 
 Real power(Real x, int n) {
@@ -50,7 +54,7 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(
   // lattice breaks up)
   FEDER_ASSERT(lattice.whole > 0 && lattice.squares > 0 && lattice.viscosity > 0);
   viscous_scale = static_cast<Real>(std::pow(lattice.viscosity, -0.85));
-  find_cohesion();
+  find_tension();
   slips = desc.wall_slip == "free";
   clearance = Real(0.1) * desc.spacing;
   table = std::make_unique<BoundaryTable>(*kernel, dim, in_spacings);
@@ -65,7 +69,7 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(
 // by that: tests/fluid/test_droplet.cpp. The pull inwards is some 5 sigma/d, and R/d times 5 what makes a drop round:
 // the particles are pressed together like sand, and where nothing keeps them warm (pbf damps, artificial viscosity
 // does) they yield late. With pbf drops become round, with a first swing up to 1.7 times too fast, and do not swing on.
-void FluidPool::find_cohesion() {
+void FluidPool::find_tension() {
   const double r = support, n2 = 1 / (static_cast<double>(volume) * static_cast<double>(volume));
   const double r4 = r * r * r * r, pi = 3.14159265358979323846;
   const double unit_tension =
@@ -77,7 +81,14 @@ void FluidPool::find_cohesion() {
   force_of_tension = static_cast<Real>(1 / (measured * unit_tension));
   const double force = static_cast<double>(desc.surface_tension) / (measured * unit_tension);
   cohesion = static_cast<Real>(force);
-  inward = static_cast<Real>(force * unit_pressure);
+  colored = desc.surface_model == "color_field";
+  inward = colored ? Real(0) : static_cast<Real>(force * unit_pressure);
+  const double in_spacings = r / static_cast<double>(desc.spacing);
+  const ColorSums sums = color_sums(dimension, in_spacings);
+  FEDER_ASSERT(sums.whole > 1 && sums.lack > 0 && sums.depth > 0);
+  color_unit = static_cast<Real>(1 / sums.whole);
+  color_energy = desc.surface_tension / (static_cast<Real>(kSettled[dimension - 2] * sums.lack) * desc.spacing);
+  wetting = static_cast<Real>(1 / sums.depth) / desc.spacing;
 }
 
 void FluidPool::grow(std::uint32_t wanted) {

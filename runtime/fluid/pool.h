@@ -34,6 +34,10 @@ struct FluidPool {
   Real viscous_scale;     // correction of viscosity, see pool.cpp
   Real cohesion;          // largest force between two particles that gives the surface tension, N
   Real force_of_tension;  // that over the tension, m
+  bool colored;           // the colour field gives the tension; these three are of it, see tension.cpp
+  Real color_unit;        // what a neighbour in the same place adds to a colour
+  Real color_energy;      // of a volume that has no colour, Pa
+  Real wetting;           // over the work of adhesion: the potential in which the boundary holds a volume, 1/m
   Real inward;            // pressure inside that balances it, Pa
   bool slips;             // no friction at the boundary
   Real clearance;         // least distance of a particle from the boundary, m
@@ -158,7 +162,7 @@ struct FluidPool {
   void validate() const;
   void validate_order() const;                 // after sort_by_cell: each particle lies in its cell
   void validate_neighbors(Real radius) const;  // a sample of the rows
-  void find_cohesion();
+  void find_tension();
   void put_sentinel();
 
   // Sorts the particles (and `start`) by the cells of find_neighbors with the same skin; particles in another order

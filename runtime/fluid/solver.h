@@ -30,6 +30,7 @@ class FluidSolver {
   virtual Real most_density_ratio() const { return 1000; }
   // True: negative_pressure counts.
   virtual bool bears_suction() const { return false; }
+  virtual bool bears_color_field() const { return false; }
   // True: as stiff as `stiffness` says. Others are as stiff as `compression` or `tolerance` asks for.
   virtual bool takes_stiffness() const { return false; }
 
@@ -69,6 +70,11 @@ bool needs_implicit_viscosity(const FluidPool& p, Real h);
 void add_viscosity(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 // What makes the sum of Sweeps::viscous a Laplacian, times `by`.
 Real laplacian_factor(const FluidPool& p, Real by);
+// In which a ripple of that wave length swings, over 2 pi, s (Brackbill, Kothe & Zemach 1992); infinite without
+// tension.
+Real capillary_time(const FluidPool& p, Real length);
+inline bool has_tension(const FluidPool& p) { return p.desc.surface_tension > 0 || p.desc.adhesion > 0; }
+inline bool tension_by_color(const FluidPool& p) { return p.colored && p.desc.surface_tension > 0 && !p.is_mixture(); }
 void add_tension(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 // Takes noise out of what weighs, for h seconds. Without, still water goes on moving with the energy of its settling,
 // as a thermal bath: pressure takes none.

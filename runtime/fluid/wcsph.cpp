@@ -33,6 +33,7 @@ namespace feder {
 namespace {
 
 constexpr Real kCourant = Real(0.4);      // CFL number: of smoothing length over speed; Monaghan 1992
+constexpr Real kRipple = Real(0.4);       // of the time of the shortest ripple
 constexpr Real kForceLimit = Real(0.25);  // of sqrt(smoothing length over acceleration)
 constexpr Real kSkin = Real(0.08);        // of the support: lists are kept until a particle moved by half of it
 
@@ -172,9 +173,7 @@ int Wcsph::wanted_steps(FluidPool& p, StepContext& c) {
   const Real fastest = std::sqrt(1 / p.lightest);  // sound in the lightest fluid over that in the heaviest
   Real step = kCourant * length_unit / (fastest * sound + others);
   step = std::min(step, g > 0 ? kForceLimit * std::sqrt(length_unit / g) : step);
-  if (p.desc.surface_tension > 0)
-    step = std::min(step, Real(0.4) * std::sqrt(p.lightest * p.desc.density * length_unit * length_unit * length_unit /
-                                                (2 * kPi * p.desc.surface_tension)));
+  step = std::min(step, kRipple * capillary_time(p, length_unit));
   const Real wanted = std::ceil(c.h / step);
   const int steps = static_cast<int>(std::min(std::max(Real(1), wanted), static_cast<Real>(p.desc.max_substeps)));
   if (wanted > static_cast<Real>(p.desc.max_substeps)) {
@@ -324,7 +323,7 @@ void Wcsph::kick(FluidPool& p, Real h, StepContext& c) {
     for (std::uint32_t i = first; i < last; ++i) p.v[i].set(p.v[i].vec() + h * p.move[i].vec());
   });
   if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h, c);
-  if (p.desc.surface_tension > 0) add_tension(p, *boundary, h, c);
+  if (has_tension(p)) add_tension(p, *boundary, h, c);
   c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 0;
   });

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace feder {
 namespace {
@@ -79,6 +80,34 @@ double cohesion_moment(int power) {
     sum += std::pow(u, power) * (u < 0.5 ? a3 + std::min(a3 - 1, 0.0) : a3) / kCuts;
   }
   return sum;
+}
+
+ColorSums color_sums(int d, double support) {
+  ColorSums sums;
+  const int n = static_cast<int>(support) + 1;
+  std::vector<double> layer(static_cast<std::size_t>(n) + 1, 0);  // at a height of so many spacings, either way
+  for (int x = -n; x <= n; ++x)
+    for (int z = d == 3 ? -n : 0; z <= (d == 3 ? n : 0); ++z)
+      for (int y = 0; y <= n; ++y)
+        layer[static_cast<std::size_t>(y)] += std::max(0.0, 1 - (x * x + y * y + z * z) / (support * support));
+  for (int y = 0; y <= n; ++y) sums.whole += (y == 0 ? 1 : 2) * layer[static_cast<std::size_t>(y)];
+  double lacks = 0;
+  for (int y = n; y > 0; --y) {  // the layer that many below the face lacks all layers from that height on
+    lacks += layer[static_cast<std::size_t>(y)] / sums.whole;
+    sums.lack += lacks * lacks * lacks;
+    const double s = (y - 0.5) / support;
+    if (s < 1) sums.depth += (1 - s * s) * (1 - s * s);
+  }
+  return sums;
+}
+
+ColorShare color_beyond(int d, WideReal s) {
+  s = std::clamp(s, WideReal(0), WideReal(1));
+  const WideReal a = 1 - s * s;
+  if (d == 3) return {(8 - s * (15 - s * s * (10 - 3 * s * s))) / 16, WideReal(-15.0 / 16) * a * a};
+  const WideReal root = std::sqrt(a), pi = static_cast<WideReal>(kPi);
+  return {std::max(WideReal(0), WideReal(0.5) - (s * root * (5 - 2 * s * s) / 3 + std::asin(s)) / pi),
+          -8 / (3 * pi) * a * root};
 }
 
 BoundaryTable::BoundaryTable(const Kernel& kernel, int d, double support) {

@@ -66,4 +66,17 @@ LatticeSums lattice_sums(const Kernel& kernel, int dimension, double support);
 // Moment of the cohesion of the sums over neighbours (sweeps.h): the integral of u^power cohesion(u) over [0, 1].
 double cohesion_moment(int power);
 
+// Of the colour field, whose kernel is 1 - u^2 with a support in spacings. Lattice sums: over a whole lattice with the
+// particle itself; and over the layers below a flat face, half a spacing below it the first: of the cubes of what each
+// lacks to the whole, over the whole; and of (1 - s^2)^2, s their depth in supports.
+struct ColorSums {
+  double whole = 0, lack = 0, depth = 0;
+};
+ColorSums color_sums(int dimension, double support);
+// Share of that kernel beyond a plane at s supports, 0 to 1, and its derivative by s.
+struct ColorShare {
+  WideReal value, slope;
+};
+ColorShare color_beyond(int dimension, WideReal s);
+
 }  // namespace feder

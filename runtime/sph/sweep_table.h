@@ -63,7 +63,10 @@ struct Sweeps {
   void (*push_near)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   // g x . (v_i - v_j), positive where they approach
   void (*growth)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
-  void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);   // cohesion(u) x / u
+  void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // cohesion(u) x / u
+  // Of the colour field, whose kernel is 1 - u^2: its sum; and (w_i + w_j) x, half its slope.
+  void (*colors)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
+  void (*draw)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // see Kernel::radial_viscosity
   // Of mixtures: w_j (g u)^2; w_j times the term of cohere; the harmonic mean of w_i and w_j times that of viscous.
   void (*squares_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out);

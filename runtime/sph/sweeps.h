@@ -143,6 +143,29 @@ struct SweepsOf {
     });
   }
 
+  static void colors(const SweepInput& s, unsigned first, unsigned last, WideReal* out) {
+    const Lanes inv = all_lanes(s.inv_support);
+    for (unsigned i = first; i < last; ++i) {
+      const Four own = spread(s.points + 4ul * i);
+      Lanes sum = zero_lanes();
+      each_eight(s, i, [&](const unsigned* at) {
+        const Pair p = pair(own, gather(s.points, at), inv);
+        sum += all_lanes(1) - p.u * p.u;
+      });
+      out[i] = total(sum);
+    }
+  }
+
+  static void draw(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
+    const Lanes inv = all_lanes(s.inv_support);
+    sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
+      const Four other = gather(s.points, at);
+      const Pair p = pair(own, other, inv);
+      const Lanes f = select(p.u < all_lanes(1), own.w + other.w, zero_lanes());
+      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
+    });
+  }
+
   static void viscous(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support), soft = all_lanes(s.soft);
     sum_vectors(s, first, last, out4, [&](unsigned i, const Four& own, const unsigned* at, Sum3& sum) {
@@ -182,8 +205,9 @@ struct SweepsOf {
 
   static constexpr Sweeps table() {
     using Images = ImagesOf<Density, Gradient>;
-    return {values,  slopes,     push,      push_damped, push_from,      push_near,      growth,         cohere,
-            viscous, squares_by, cohere_by, viscous_by,  Images::images, Images::growth, Images::push_by};
+    return {values,    slopes,     push,           push_damped,    push_from,      push_near,
+            growth,    cohere,     colors,         draw,           viscous,        squares_by,
+            cohere_by, viscous_by, Images::images, Images::growth, Images::push_by};
   }
 };
 

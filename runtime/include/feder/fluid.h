@@ -38,7 +38,9 @@ struct FluidDesc {
   Real density = 1000;        // at rest, kg/m^3 (dimension 2: kg/m^2)
   Real viscosity = 0;         // dynamic, Pa s; acts at boundaries as well, unless wall_slip is "free"
   std::string wall_slip = "none";
-  Real surface_tension = 0;  // N/m
+  Real surface_tension = 0;                // N/m
+  std::string surface_model = "cohesion";  // or "color_field" (dfsph)
+  Real adhesion = 0;  // work of adhesion to the boundary, N/m: tension times 1 + cos(contact angle); 0: none
   std::string solver = default_fluid_solver();
   std::string kernel;  // empty: wendland for dfsph, cubic for others
   std::string neighbors = default_fluid_neighbors();
@@ -59,8 +61,8 @@ struct FluidDesc {
   // Calls f(field) for all of them, in this order.
   template <class D, class F>
   static void each_field(D& d, F&& f) {
-    f(d.name), f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.wall_slip), f(d.surface_tension), f(d.solver),
-        f(d.kernel);
+    f(d.name), f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.wall_slip), f(d.surface_tension),
+        f(d.surface_model), f(d.adhesion), f(d.solver), f(d.kernel);
     f(d.neighbors), f(d.support), f(d.stiffness), f(d.iterations), f(d.tolerance), f(d.negative_pressure),
         f(d.compression), f(d.artificial_viscosity), f(d.integrator);
     f(d.max_substeps), f(d.max_particles), f(d.gravity_scale), f(d.kill_height), f(d.group), f(d.mask);
