@@ -52,7 +52,8 @@ constexpr Real kStiffness = 20;            // least (c h / d)^2, c the speed of 
 constexpr Real kAtmosphere = 101325;       // Pa
 constexpr Real kOpen = Real(0.15);         // share of the kernel in the air, from which on there is no suction
 constexpr Real kRepulsion = Real(0.3);     // of the suction, between particles a spacing apart
-// Of the pressure, with the tension of the colour field, in the plane and in space. Twice that tears drops apart.
+// Of the pressure, with the tension of the colour field, in the plane and in space. Four times that in the plane, 2.5
+// times in space tears drops apart.
 constexpr Real kSkinRepulsion[2] = {Real(0.5), Real(0.2)};
 constexpr Real kSpread = Real(0.06);          // of the gradient of the density ratio times the squared support
 constexpr Real kMostSpread = Real(0.1);       // spacings

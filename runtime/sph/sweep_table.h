@@ -64,7 +64,7 @@ struct Sweeps {
   // g x . (v_i - v_j), positive where they approach
   void (*growth)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
   void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // cohesion(u) x / u
-  // Of the colour field, whose kernel is 1 - u^2: its sum; and (w_i + w_j) x, half its slope.
+  // values and push with the kernel of the colour field, 1 - u^2.
   void (*colors)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
   void (*draw)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // see Kernel::radial_viscosity

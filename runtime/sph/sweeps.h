@@ -22,20 +22,38 @@ template <class F>
   }
 }
 
+template <class Shape>
+void values_of(const SweepInput& s, unsigned first, unsigned last, WideReal* out) {
+  const Lanes inv = all_lanes(s.inv_support);
+  for (unsigned i = first; i < last; ++i) {
+    const Four own = spread(s.points + 4ul * i);
+    Lanes sum = zero_lanes();
+    each_eight(s, i, [&](const unsigned* at) { sum += Shape::value(pair(own, gather(s.points, at), inv).u); });
+    out[i] = total(sum);
+  }
+}
+
+template <class Shape>
+void push_of(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
+  const Lanes inv = all_lanes(s.inv_support);
+  sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
+    const Four other = gather(s.points, at);
+    const Pair p = pair(own, other, inv);
+    const Lanes f = Shape::slope(p.u) * (own.w + other.w);
+    sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
+  });
+}
+
+// Of the colour field, see fluid/tension.cpp: wide, so that particles that crowd fill little of it.
+struct ColorShape {
+  [[gnu::always_inline]] static Lanes value(Lanes u) { return all_lanes(1) - u * u; }
+  [[gnu::always_inline]] static Lanes slope(Lanes u) { return select(u < all_lanes(1), all_lanes(-2), zero_lanes()); }
+};
+
 // Density, gradient and viscosity may come from different kernels; pressure that is the gradient of an energy needs
 // the first two to be one.
 template <class Density, class Gradient, class Laplacian>
 struct SweepsOf {
-  static void values(const SweepInput& s, unsigned first, unsigned last, WideReal* out) {
-    const Lanes inv = all_lanes(s.inv_support);
-    for (unsigned i = first; i < last; ++i) {
-      const Four own = spread(s.points + 4ul * i);
-      Lanes sum = zero_lanes();
-      each_eight(s, i, [&](const unsigned* at) { sum += Density::value(pair(own, gather(s.points, at), inv).u); });
-      out[i] = total(sum);
-    }
-  }
-
   static void slopes(const SweepInput& s, unsigned first, unsigned last, WideReal* out4, WideReal* squares) {
     const Lanes inv = all_lanes(s.inv_support);
     for (unsigned i = first; i < last; ++i) {
@@ -52,16 +70,6 @@ struct SweepsOf {
                  out4[4ul * i + 3] = total(sum);
       squares[i] = total(square);
     }
-  }
-
-  static void push(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
-    const Lanes inv = all_lanes(s.inv_support);
-    sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
-      const Four other = gather(s.points, at);
-      const Pair p = pair(own, other, inv);
-      const Lanes f = Gradient::slope(p.u) * (own.w + other.w);
-      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
-    });
   }
 
   static void push_near(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
@@ -143,29 +151,6 @@ struct SweepsOf {
     });
   }
 
-  static void colors(const SweepInput& s, unsigned first, unsigned last, WideReal* out) {
-    const Lanes inv = all_lanes(s.inv_support);
-    for (unsigned i = first; i < last; ++i) {
-      const Four own = spread(s.points + 4ul * i);
-      Lanes sum = zero_lanes();
-      each_eight(s, i, [&](const unsigned* at) {
-        const Pair p = pair(own, gather(s.points, at), inv);
-        sum += all_lanes(1) - p.u * p.u;
-      });
-      out[i] = total(sum);
-    }
-  }
-
-  static void draw(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
-    const Lanes inv = all_lanes(s.inv_support);
-    sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
-      const Four other = gather(s.points, at);
-      const Pair p = pair(own, other, inv);
-      const Lanes f = select(p.u < all_lanes(1), own.w + other.w, zero_lanes());
-      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
-    });
-  }
-
   static void viscous(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support), soft = all_lanes(s.soft);
     sum_vectors(s, first, last, out4, [&](unsigned i, const Four& own, const unsigned* at, Sum3& sum) {
@@ -205,9 +190,23 @@ struct SweepsOf {
 
   static constexpr Sweeps table() {
     using Images = ImagesOf<Density, Gradient>;
-    return {values,    slopes,     push,           push_damped,    push_from,      push_near,
-            growth,    cohere,     colors,         draw,           viscous,        squares_by,
-            cohere_by, viscous_by, Images::images, Images::growth, Images::push_by};
+    return {values_of<Density>,
+            slopes,
+            push_of<Gradient>,
+            push_damped,
+            push_from,
+            push_near,
+            growth,
+            cohere,
+            values_of<ColorShape>,
+            push_of<ColorShape>,
+            viscous,
+            squares_by,
+            cohere_by,
+            viscous_by,
+            Images::images,
+            Images::growth,
+            Images::push_by};
   }
 };
 

@@ -3,7 +3,9 @@
 // wcsph, periods by the passages through the circle, over Lamb's: 0.93 to 1.11 in the plane with 8 to 20 spacings
 // across a radius. In space, with 5 to 8, single half periods are 0.35 to 1.2 of a whole one, 0.57 on average: the drop
 // swings, but its particles get stuck on each other now and then. pbf draws drops together and does not let them swing.
-// dfsph with the colour field, 2,000 to 4,000 particles: within some 5 % in the plane and in space.
+// dfsph with the colour field, means of some three swings: 0.99 to 1.05 in the plane with 900 to 4,000 particles, the
+// pressure inside 0.94 to 1.03 of Laplace's; in space 1.00 to 1.02 with 3,900 and 0.84 to 0.92 with 1,500, 0.88 to
+// 0.91.
 #include <cmath>
 
 #include "fluid/tank.h"
@@ -76,6 +78,19 @@ Swing swing(const std::string& solver, int dimension, double spacing, double per
   return s;
 }
 
+double radians(double degrees) { return degrees * kPi / 180; }
+
+// At its chord, in degrees, of the segment of a circle of that area whose centre lies so high above the chord.
+double segment_angle(double area, double height) {
+  double low = 0.1, high = 3.1;
+  while (high - low > 1e-6) {
+    const double t = (low + high) / 2, sine = std::sin(t), cosine = std::cos(t), part = t - sine * cosine;
+    const double middle = std::sqrt(area / part) * (2 * sine * sine * sine / (3 * part) - cosine);
+    (middle < height ? low : high) = t;
+  }
+  return low * 180 / kPi;
+}
+
 }  // namespace
 
 TEST_CASE("a drop in the plane swings with Lamb's frequency", "[fluid][closed]") {
@@ -107,7 +122,7 @@ TEST_CASE("with the colour field a drop of dfsph swings with Lamb's frequency, a
   const Swing s = swing("dfsph", 2, spacing, 2.1, "color_field");
   if (!kFull) return;
   REQUIRE(s.passages.size() >= 4);
-  CHECK((s.passages[3] - s.passages[0]) / 1.5 == Approx(1).epsilon(0.1));
+  CHECK((s.passages[3] - s.passages[0]) / 1.5 == Approx(1).epsilon(0.08));
 }
 
 TEST_CASE("adhesion and models of tension are checked", "[fluid][color_field]") {
@@ -124,4 +139,27 @@ TEST_CASE("adhesion and models of tension are checked", "[fluid][color_field]") 
   d.surface_model = "color_field", d.adhesion = -1;
   CHECK_THROWS_AS(f.add_fluid(d), SceneError);
   CHECK(f.count() == 0);
+}
+
+TEST_CASE("a drop on a wall spreads or gathers as its work of adhesion says", "[fluid][color_field]") {
+  const double angle = GENERATE(60.0, 90.0, 120.0), spacing = 0.008;
+  WorldDesc desc = weightless(fluid_world(2));
+  World w(desc, fluid_catalog());
+  add_plane(w, Vec3(0, 1, 0), 0);
+  Fluid& f = w.need<Fluid>();
+  FluidDesc d;
+  d.spacing = static_cast<Real>(spacing), d.surface_tension = 1, d.surface_model = "color_field", d.viscosity = 1;
+  d.adhesion = static_cast<Real>(1 + std::cos(radians(angle)));
+  const ObjectId id = f.add_fluid(d);
+  std::vector<Vec3> half;
+  for (const Vec3& x : drop(2, spacing, 1))
+    if (x[1] > 0) half.push_back(x);
+  f.fill(id, half, Vec3::Zero());
+  for (int k = 0; k < static_cast<int>(300 * kShare) + 1; ++k) w.step();
+  if (!kFull) return;
+  double height = 0;
+  for (const Vec3& x : places(w, id)) height += static_cast<double>(x[1]) / static_cast<double>(half.size());
+  const double measured = segment_angle(static_cast<double>(half.size()) * spacing * spacing, height);
+  CAPTURE(angle, measured);
+  CHECK(std::abs(measured - angle) < 20);  // drops stick, see tension.cpp
 }

@@ -215,6 +215,10 @@ TEST_CASE("mistakes name what was expected, and leave the world as it was", "[lu
         std::string::npos);
   CHECK(error_of("world:fluid{ wall_slip = 'some' }").find("world:fluid.wall_slip: ") != std::string::npos);
   CHECK(error_of("world:fluid{ wall_slip = 'some' }").find("none, free") != std::string::npos);
+  for (const char* wrong : {"surface_tension = -1", "surface_tension = 1, contact_angle = 200", "contact_angle = 60",
+                            "surface_tension = 1, contact_angle = 60, adhesion = 1", "adhesion = -1",
+                            "surface_model = 'soap'", "surface_model = 'color_field', solver = 'wcsph'"})
+    CHECK(error_of(std::string("world:fluid{ ") + wrong + " }").find("expected") != std::string::npos);
   CHECK(output_of("print(world:fluid{ wall_slip = 'free', viscosity = 1 }:kind())") == "fluid\n");
   CHECK(error_of(kWater + "\nwater:fill{ box = { {0, 0, 0}, {1, 0.05, 1} } }") ==
         "test.lua:2: fluid:fill: fluid: fill: the shape is 0.05 m wide along y, narrower than the spacing of 0.1 m: "

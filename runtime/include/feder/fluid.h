@@ -39,7 +39,7 @@ struct FluidDesc {
   Real viscosity = 0;         // dynamic, Pa s; acts at boundaries as well, unless wall_slip is "free"
   std::string wall_slip = "none";
   Real surface_tension = 0;                // N/m
-  std::string surface_model = "cohesion";  // or "color_field" (dfsph)
+  std::string surface_model = "cohesion";  // or "color_field" (dfsph, and where it touches no other fluid)
   Real adhesion = 0;  // work of adhesion to the boundary, N/m: tension times 1 + cos(contact angle); 0: none
   std::string solver = default_fluid_solver();
   std::string kernel;  // empty: wendland for dfsph, cubic for others
