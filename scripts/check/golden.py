@@ -37,7 +37,8 @@ LONG = ("scenes/rigid/ragdolls.lua --world rigid.solver=impulse", "scenes/rigid/
         "scenes/study/added_mass.lua", "scenes/fluid/floating_crates.lua --set spacing=0.06",
         "scenes/cookbook/sail_boat.lua", "scenes/lessons/09_fluid.lua", "scenes/study/taylor_green.lua",
         "scenes/study/u_tube.lua", "scenes/rigid/wall.lua --set rows=8 --set length=12 --world rigid.solver=impulse",
-        "scenes/rigid/pyramid.lua --world rigid.solver=impulse")
+        "scenes/rigid/pyramid.lua --world rigid.solver=impulse", "scenes/fluid/bottle.lua",
+        "scenes/fluid/rain_on_pond.lua", "scenes/fluid/fountain.lua")
 
 
 def integrators():
