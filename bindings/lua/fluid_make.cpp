@@ -33,20 +33,19 @@ void read_contact_angle(Options& o, const OptionRow& row, FluidReading& d) {
   d.adhesion = d.surface_tension * (1 + std::cos(angle * Real(3.14159265358979323846 / 180)));
 }
 
-// A word that the description keeps as it is.
+// A word that the description keeps as it is; shown: what it is when nobody says is one of them.
 constexpr const char kWallSlip[] = "none, free", kSurfaceModel[] = "cohesion, color_field",
                      kIntegrator[] = "leapfrog, symplectic_euler";
 
 template <auto Field, const char* kChoices>
-constexpr Option<FluidReading> word(const char* name) {
-  return {{.name = name, .choices = kChoices},
-          "string",
-          [](Options& o, const OptionRow& row, FluidReading& d) {
-            int index = 0;
-            if (o.choice(row.name, kChoices, index))
-              d.*Field = split_choices(kChoices)[static_cast<std::size_t>(index)];
-          },
-          [](const FluidReading& d) { return print_value(d.*Field); }};
+constexpr Option<FluidReading> word(const char* name, bool shown = true) {
+  Option<FluidReading> option{
+      {.name = name, .choices = kChoices}, "string", [](Options& o, const OptionRow& row, FluidReading& d) {
+        int index = 0;
+        if (o.choice(row.name, kChoices, index)) d.*Field = split_choices(kChoices)[static_cast<std::size_t>(index)];
+      }};
+  if (shown) option.fallback = [](const FluidReading& d) { return print_value(d.*Field); };
+  return option;
 }
 
 constexpr Option<FluidReading> kFluid[] = {
@@ -57,7 +56,7 @@ constexpr Option<FluidReading> kFluid[] = {
     {{.name = "kinematic_viscosity", .unit = "m2/s", .range = kNotNegative}, "number", read_kinematic},
     word<&FluidDesc::wall_slip, kWallSlip>("wall_slip"),
     field<&FluidDesc::surface_tension>("surface_tension", "N/m", kNotNegative),
-    word<&FluidDesc::surface_model, kSurfaceModel>("surface_model"),
+    word<&FluidDesc::surface_model, kSurfaceModel>("surface_model", false),
     field<&FluidDesc::adhesion>("adhesion", "N/m", kNotNegative),
     {{.name = "contact_angle", .unit = "degrees", .range = {0, 180}}, "number", read_contact_angle},
     field<&FluidDesc::solver>("solver").of(names_of<fluid_solvers>),

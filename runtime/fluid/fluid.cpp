@@ -26,7 +26,7 @@ void check_desc(const FluidDesc& d) {
     throw SceneError("fluid: wall_slip: expected \"none\" or \"free\", got \"" + d.wall_slip + "\"");
   need(d.surface_tension >= 0 && is_finite(d.surface_tension), "surface_tension", "a finite number, 0 or more",
        d.surface_tension);
-  if (d.surface_model != "cohesion" && d.surface_model != "color_field")
+  if (!d.surface_model.empty() && d.surface_model != "cohesion" && d.surface_model != "color_field")
     throw SceneError("fluid: surface_model: expected \"cohesion\" or \"color_field\", got \"" + d.surface_model + "\"");
   need(d.adhesion >= 0 && is_finite(d.adhesion), "adhesion", "a finite number, 0 or more", d.adhesion);
   if (d.integrator != "leapfrog" && d.integrator != "symplectic_euler")
@@ -130,6 +130,7 @@ void Fluid::add_passes(StepPlan& plan) {
   if (std::any_of(m->pools.begin(), m->pools.end(),
                   [&](const auto& p) { return p->desc.spacing != first.spacing || p->desc.density != first.density; }))
     plan.add<&Impl::check_fluids_that_meet>(Rank::check, "check fluids that meet", kName, m);
+  if (!m->interfaces.empty()) plan.add<&Impl::check_interfaces>(Rank::check, "check interfaces", kName, m);
   plan.add<&Impl::check>(Rank::check, "check fluids", kName, m);
 }
 

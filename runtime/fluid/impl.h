@@ -50,6 +50,7 @@ struct FluidDrain {
 struct FluidInterface {
   ObjectId a, b;
   Real tension = 0;
+  Real warned_of = 0;  // a tension, N/m
 };
 
 struct Fluid::Impl {
@@ -117,7 +118,8 @@ struct Fluid::Impl {
   // mixture.cpp
   void make_mixtures();  // outside steps
   void check_suits(const FluidPool& made) const;
-  Real pull_of(FluidPool& mixture) const;
+  Real tension_between(const FluidPool& a, const FluidPool& b) const;
+  void set_tensions(FluidPool& mixture) const;
   void find_touching(StepContext& c);
   void mix(StepContext& c);
   void unmix(StepContext& c);
@@ -169,6 +171,7 @@ struct Fluid::Impl {
   void run_emitter(FluidEmitter& e, StepContext& c);
   // misfits.cpp
   void check_fluids_that_meet(StepContext& c);
+  void check_interfaces(StepContext& c);
   void check_room(FluidPool& p, StepContext& c);
   void stop_lost_sources(StepContext& c);  // those whose body is no more
 

@@ -1,6 +1,6 @@
-// Warnings about fluids that cannot go well together, and about fluids that do not fit: where they meet, one spacing
-// and densities within the ratio that their solver holds are wanted. Once each. Kept between calls: who has been
-// warned.
+// Warnings about fluids that cannot go well together, tensions that they cannot have, and about fluids that do not fit:
+// where they meet, one spacing and densities within the ratio that their solver holds are wanted. Once each. Kept
+// between calls: who has been warned.
 #include <algorithm>
 
 #include "feder/params.h"
@@ -69,6 +69,20 @@ void Fluid::Impl::check_fluids_that_meet(StepContext& c) {
                        a.object);
       }
     }
+}
+
+void Fluid::Impl::check_interfaces(StepContext& c) {
+  for (FluidInterface& f : interfaces) {
+    const Real a = pool(f.a).desc.surface_tension, b = pool(f.b).desc.surface_tension;
+    if (f.tension <= a + b || f.warned_of == f.tension) continue;
+    f.warned_of = f.tension;
+    c.events->warn("interface_tension",
+                   "a tension of " + print_value(f.tension) + " N/m between " + objects.describe(f.a) + " and " +
+                       objects.describe(f.b) + ", whose own are " + print_value(a) + " and " + print_value(b) +
+                       " N/m: fluids with more between them than both have alone would part, so half of it is taken "
+                       "as the tension of either where they touch; give them a surface_tension",
+                   f.a);
+  }
 }
 
 // After contacts have been found. Most of a new fluid lies between walls that are nearer to each other than particles.

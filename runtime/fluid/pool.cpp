@@ -9,7 +9,7 @@ namespace {
 
 // Of the energy of a flat face of a lattice, that the surface of a drop has with color_field once its outermost layers
 // have settled: by the periods of swings of 2,000 to 4,000 particles of dfsph, tests/fluid/test_droplet.cpp.
-constexpr double kSettled[2] = {0.758, 1.35};
+constexpr double kSettled[2] = {0.758, 1.31};
 
 constexpr Real kFar = Real(1e9);  // m, of the sentinel; its square is finite in float
 
@@ -23,6 +23,7 @@ Real power(Real x, int n) {
 
 FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(from), dimension(dim) {
   FEDER_ASSERT(dim == 2 || dim == 3);
+  if (desc.surface_model.empty()) desc.surface_model = default_surface_model(desc.solver);
   if (desc.kernel.empty()) desc.kernel = default_fluid_kernel(desc.solver);
   std::string known;
   kernel = nullptr;
@@ -87,7 +88,8 @@ void FluidPool::find_tension() {
   const ColorSums sums = color_sums(dimension, in_spacings);
   FEDER_ASSERT(sums.whole > 1 && sums.lack > 0 && sums.depth > 0);
   color_unit = static_cast<Real>(1 / sums.whole);
-  color_energy = desc.surface_tension / (static_cast<Real>(kSettled[dimension - 2] * sums.lack) * desc.spacing);
+  energy_of_tension = 1 / (static_cast<Real>(kSettled[dimension - 2] * sums.lack) * desc.spacing);
+  color_energy = energy_of_tension * desc.surface_tension;
   wetting = static_cast<Real>(1 / sums.depth) / desc.spacing;
 }
 

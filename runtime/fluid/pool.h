@@ -23,24 +23,25 @@ struct FluidPool {
   int dimension;
 
   // Constants of the particles.
-  Real support;           // of the kernel, m
-  Real volume;            // m^3 (2D: m^2): spacing^D
-  Real mass;              // kg
-  Real unit;              // weight of a particle in the density sum, m^D: the sum over a lattice at rest is 1
-  Real value_factor;      // unit * norm / support^D: from sums of value(u) to density over density at rest
-  Real slope_factor;      // unit * norm / support^(D+2): likewise from sums of slope(u) x to its gradient
-  Real own_value;         // what a particle adds to its own density
-  Real least_squares;     // lower bound of the squared gradients of a density, 1/m^2
-  Real viscous_scale;     // correction of viscosity, see pool.cpp
-  Real cohesion;          // largest force between two particles that gives the surface tension, N
-  Real force_of_tension;  // that over the tension, m
-  bool colored;           // the colour field gives the tension; these three are of it, see tension.cpp
-  Real color_unit;        // what a neighbour in the same place adds to a colour
-  Real color_energy;      // of a volume that has no colour, Pa
-  Real wetting;           // over the work of adhesion: the potential in which the boundary holds a volume, 1/m
-  Real inward;            // pressure inside that balances it, Pa
-  bool slips;             // no friction at the boundary
-  Real clearance;         // least distance of a particle from the boundary, m
+  Real support;            // of the kernel, m
+  Real volume;             // m^3 (2D: m^2): spacing^D
+  Real mass;               // kg
+  Real unit;               // weight of a particle in the density sum, m^D: the sum over a lattice at rest is 1
+  Real value_factor;       // unit * norm / support^D: from sums of value(u) to density over density at rest
+  Real slope_factor;       // unit * norm / support^(D+2): likewise from sums of slope(u) x to its gradient
+  Real own_value;          // what a particle adds to its own density
+  Real least_squares;      // lower bound of the squared gradients of a density, 1/m^2
+  Real viscous_scale;      // correction of viscosity, see pool.cpp
+  Real cohesion;           // largest force between two particles that gives the surface tension, N
+  Real force_of_tension;   // that over the tension, m
+  bool colored;            // the colour field gives the tension; these four are of it, see tension.cpp
+  Real color_unit;         // what a neighbour in the same place adds to a colour
+  Real color_energy;       // of a volume that has no colour, Pa
+  Real energy_of_tension;  // that over the tension, 1/m
+  Real wetting;            // over the work of adhesion: the potential in which the boundary holds a volume, 1/m
+  Real inward;             // pressure inside that balances it, Pa
+  bool slips;              // no friction at the boundary
+  Real clearance;          // least distance of a particle from the boundary, m
   const Kernel* kernel;
   const Sweeps* sweeps;
   std::unique_ptr<BoundaryTable> table;
@@ -140,7 +141,9 @@ struct FluidPool {
   Real lightest = 1;
   std::vector<FluidPool*> phases;
   Array<std::uint32_t> phase{&arena};
-  std::vector<Real> pull;  // largest force between particles of two phases that gives their tension, N; by both
+  std::vector<Real> pull;            // of two phases, by both: largest force, N, that gives their tension
+                                     // (cohesion); share by which one fills the colour of the other (color_field)
+  std::vector<Real> color_energies;  // color_energy of phases
 
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
   bool active() const { return count > 0 && !frozen && !asleep && !mixed; }

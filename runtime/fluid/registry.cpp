@@ -17,6 +17,9 @@ std::span<const Variant<FluidSolver>> fluid_solvers() {
 std::string default_fluid_solver() { return default_variant(fluid_solvers(), "dfsph"); }
 std::string default_fluid_neighbors() { return default_variant(neighbor_searches(), "grid"); }
 
+// Particles of the other solvers lie too close together at the surface: the colour field would have no tension there.
+std::string default_surface_model(std::string_view solver) { return solver == "dfsph" ? "color_field" : "cohesion"; }
+
 // With the cubic spline waves of dfsph swing 1 % too fast; the others were measured with it.
 std::string default_fluid_kernel(std::string_view solver) {
   const std::string_view wanted = solver == "dfsph" ? "wendland" : "cubic";

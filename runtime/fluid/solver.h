@@ -74,7 +74,7 @@ Real laplacian_factor(const FluidPool& p, Real by);
 // tension.
 Real capillary_time(const FluidPool& p, Real length);
 inline bool has_tension(const FluidPool& p) { return p.desc.surface_tension > 0 || p.desc.adhesion > 0; }
-inline bool tension_by_color(const FluidPool& p) { return p.colored && p.desc.surface_tension > 0 && !p.is_mixture(); }
+inline bool tension_by_color(const FluidPool& p) { return p.colored && p.desc.surface_tension > 0; }
 void add_tension(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 // Takes noise out of what weighs, for h seconds. Without, still water goes on moving with the energy of its settling,
 // as a thermal bath: pressure takes none.

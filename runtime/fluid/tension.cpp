@@ -13,8 +13,10 @@
 //    normals: where pressure does not pull, drops evaporate, as lone particles and lines of them have n = 0; held by a
 //    share of cohesion they lose a third of their swing in half a period. Smoothing the colour twice, other powers and
 //    kernels: periods scatter more. Weak spot: how far the outermost layer is crowded depends on what a solver leaves
-//    (kSettled in pool.cpp), and particles gather to strings unless a solver keeps them apart (dfsph.cpp). Fluids that
-//    touch others pull by cohesion.
+//    (kSettled in pool.cpp), and particles gather to strings unless a solver keeps them apart (dfsph.cpp). What a
+//    fluid finds of another one counts as full by a share of 1 - (sigma_ab / (sigma_a + sigma_b))^(1/3): a face between
+//    the two has sigma_ab, and a gap between them costs more. Tried: an energy of its own of what is full of the other
+//    one, cubed: the two repel each other and part.
 // The boundary attracts by the work of adhesion, sigma (1 + cos angle) (Dupre 1869, Young 1805), spread over the
 // support; without one it does not attract: such fluids with tension do not wet. Weak spot: particles at a wall stick
 // where they are. With the colour field a drop that spreads stops 10 to 16 degrees above an angle of 60, one that
@@ -28,27 +30,38 @@
 namespace feder {
 namespace {
 
-// Each fluid in turn is pulled by all, particles that lie side by side in one sweep.
+// Sets the weights of the positions, by particle.
+template <class F>
+void weigh(FluidPool& p, StepContext& c, F&& weight) {
+  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = weight(i);
+  });
+}
+
+// f(first, last) for the particles of fluid k that lie side by side.
+template <class F>
+void each_run(const FluidPool& p, std::uint32_t k, StepContext& c, F&& f) {
+  c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t i = first, end = first; i < last; i = end) {
+      for (end = i + 1; end < last && p.phase[end] == p.phase[i];) ++end;
+      if (p.phase[i] == k) f(i, end);
+    }
+  });
+}
+
+// Each fluid in turn is pulled by all.
 void cohere_mixture(FluidPool& p, Real h, StepContext& c) {
   const SweepInput in = p.sweep_input();
   for (std::uint32_t k = 0; k < p.phases.size(); ++k) {
     const FluidPool& own = *p.phases[k];
     const Real share = h / (own.mass * p.support);
-    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = share * p.pull_between(k, p.phase[i]);
-    });
-    c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first, end = first; i < last; i = end) {
-        for (end = i + 1; end < last && p.phase[end] == p.phase[i];) ++end;
-        if (p.phase[i] != k) continue;
-        p.sweeps->cohere_by(in, i, end, &p.move[0].x);
-        for (std::uint32_t n = i; n < end; ++n) p.v[n].set(p.v[n].vec() - p.move[n].vec());
-      }
+    weigh(p, c, [&](std::uint32_t i) { return share * p.pull_between(k, p.phase[i]); });
+    each_run(p, k, c, [&](std::uint32_t first, std::uint32_t last) {
+      p.sweeps->cohere_by(in, first, last, &p.move[0].x);
+      for (std::uint32_t i = first; i < last; ++i) p.v[i].set(p.v[i].vec() - p.move[i].vec());
     });
   }
-  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 0;
-  });
+  weigh(p, c, [](std::uint32_t) { return Real(0); });
 }
 
 void cohere(FluidPool& p, Real h, StepContext& c) {
@@ -61,23 +74,27 @@ void cohere(FluidPool& p, Real h, StepContext& c) {
   });
 }
 
+// Slope of an energy of a volume, energy share^3, by the share of its kernel that is empty, or full of something else.
+Real color_slope(Real energy, Real share) { return share > 0 ? 3 * energy * share * share : Real(0); }
+
+// Of the kernel of particle i, if `sum` is that of its neighbours. A boundary that the fluid wets fills its share.
+Real lack_of(const FluidPool& p, std::uint32_t i, Real sum) {
+  Real lack = 1 - p.color_unit * (1 + sum);
+  if (p.fluid_of(i).desc.adhesion > 0)
+    for (const BoundaryContact& k : p.contacts_of(i))
+      lack -= color_beyond(p.dimension, k.distance(p.x[i].vec()) / p.support).value;
+  return lack;
+}
+
 // Leaves the slope of the energy of a volume, Pa, by what its colour lacks, in the weights of the positions.
 void find_lacks(FluidPool& p, StepContext& c) {
   const SweepInput in = p.sweep_input();
-  const bool wets = p.desc.adhesion > 0;  // then the boundary fills its share of the field
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->colors(in, first, last, p.sum.data());
-    for (std::uint32_t i = first; i < last; ++i) {
-      Real lack = 1 - p.color_unit * (1 + p.sum[i]);
-      if (wets)
-        for (const BoundaryContact& k : p.contacts_of(i))
-          lack -= color_beyond(p.dimension, k.distance(p.x[i].vec()) / p.support).value;
-      p.next_weight[i] = lack > 0 ? 3 * p.color_energy * lack * lack : Real(0);
-    }
+    for (std::uint32_t i = first; i < last; ++i)
+      p.next_weight[i] = color_slope(p.color_energy, lack_of(p, i, p.sum[i]));
   });
-  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = p.next_weight[i];
-  });
+  weigh(p, c, [&](std::uint32_t i) { return p.next_weight[i]; });
 }
 
 void draw_in(FluidPool& p, Real h, StepContext& c) {
@@ -87,6 +104,35 @@ void draw_in(FluidPool& p, Real h, StepContext& c) {
     p.sweeps->draw(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) p.v[i].set(p.v[i].vec() + by * p.move[i].vec());
   });
+}
+
+// Each fluid of a mixture in turn: what its particles find of another one counts as full by a share.
+void draw_in_mixture(FluidPool& p, Real h, StepContext& c) {
+  const SweepInput in = p.sweep_input();
+  const auto phases = static_cast<std::uint32_t>(p.phases.size());
+  const auto share = [&](std::uint32_t k, std::uint32_t i) { return p.pull_between(k, p.phase[i]); };
+  for (std::uint32_t k = 0; k < phases; ++k) {
+    weigh(p, c, [&](std::uint32_t i) { return share(k, i); });
+    each_run(p, k, c, [&](std::uint32_t first, std::uint32_t last) {
+      p.sweeps->colors_by(in, first, last, p.sum.data());
+      for (std::uint32_t i = first; i < last; ++i)
+        p.next_weight[i] = color_slope(p.color_energies[k], lack_of(p, i, p.sum[i]));
+    });
+  }
+  const Real by = h * p.color_unit * p.volume / (p.support * p.support);
+  for (std::uint32_t k = 0; k < phases; ++k) {
+    const auto draw = [&](auto&& weight, auto&& own) {
+      weigh(p, c, weight);
+      each_run(p, k, c, [&](std::uint32_t first, std::uint32_t last) {
+        p.sweeps->draw_by(in, first, last, &p.move[0].x);
+        for (std::uint32_t i = first; i < last; ++i)
+          p.v[i].set(p.v[i].vec() + by / p.mass_of(i) * own(i) * p.move[i].vec());
+      });
+    };
+    draw([&](std::uint32_t i) { return share(k, i) * p.next_weight[i]; }, [](std::uint32_t) { return Real(1); });
+    draw([&](std::uint32_t i) { return share(k, i); }, [&](std::uint32_t i) { return p.next_weight[i]; });
+  }
+  weigh(p, c, [&](std::uint32_t i) { return p.next_weight[i]; });
 }
 
 // Of the boundary. Where the field counts it as full the fluid wets it with 90 degrees, that is sigma, else not at all.
@@ -137,17 +183,16 @@ Real capillary_time(const FluidPool& p, Real length) {
 
 void add_tension(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
   const bool tense = p.desc.surface_tension > 0, by_color = tension_by_color(p);
-  if (by_color) {
+  if (by_color && p.is_mixture()) {
+    draw_in_mixture(p, h, c);
+  } else if (by_color) {
     find_lacks(p, c);
     draw_in(p, h, c);
   } else if (tense) {
     p.is_mixture() ? cohere_mixture(p, h, c) : cohere(p, h, c);
   }
   if (p.desc.adhesion > 0) Wetting(p, boundary, h).apply(c);
-  if (by_color)
-    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 0;
-    });
+  if (by_color) weigh(p, c, [](std::uint32_t) { return Real(0); });
 }
 
 }  // namespace feder

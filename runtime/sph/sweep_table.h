@@ -68,9 +68,13 @@ struct Sweeps {
   void (*colors)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
   void (*draw)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // see Kernel::radial_viscosity
-  // Of mixtures: w_j (g u)^2; w_j times the term of cohere; the harmonic mean of w_i and w_j times that of viscous.
+  // Of mixtures: w_j (g u)^2; w_j times the term of cohere.
   void (*squares_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
   void (*cohere_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
+  // With the kernel of the colour field: w_j value(u); w_j g x.
+  void (*colors_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
+  void (*draw_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
+  // The harmonic mean of w_i and w_j times the term of viscous.
   void (*viscous_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   void (*images)(const SweepInput&, const ImageInput&, unsigned first, unsigned last);  // fills its outputs
   // What images add to growth and push: the sums of their gradients with velocities and weights.

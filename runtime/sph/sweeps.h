@@ -44,6 +44,31 @@ void push_of(const SweepInput& s, unsigned first, unsigned last, WideReal* out4)
   });
 }
 
+template <class Shape>
+void values_by(const SweepInput& s, unsigned first, unsigned last, WideReal* out) {
+  const Lanes inv = all_lanes(s.inv_support);
+  for (unsigned i = first; i < last; ++i) {
+    const Four own = spread(s.points + 4ul * i);
+    Lanes sum = zero_lanes();
+    each_eight(s, i, [&](const unsigned* at) {
+      const Four other = gather(s.points, at);
+      sum += other.w * Shape::value(pair(own, other, inv).u);
+    });
+    out[i] = total(sum);
+  }
+}
+
+template <class Shape>
+void push_by(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
+  const Lanes inv = all_lanes(s.inv_support);
+  sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
+    const Four other = gather(s.points, at);
+    const Pair p = pair(own, other, inv);
+    const Lanes f = other.w * Shape::slope(p.u);
+    sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
+  });
+}
+
 // Of the colour field, see fluid/tension.cpp: wide, so that particles that crowd fill little of it.
 struct ColorShape {
   [[gnu::always_inline]] static Lanes value(Lanes u) { return all_lanes(1) - u * u; }
@@ -203,6 +228,8 @@ struct SweepsOf {
             viscous,
             squares_by,
             cohere_by,
+            values_by<ColorShape>,
+            push_by<ColorShape>,
             viscous_by,
             Images::images,
             Images::growth,

@@ -39,7 +39,7 @@ const std::map<std::string, std::string> kRungs = {
 };
 
 // Where the default is not the method that comes close.
-const std::map<std::string, std::string> kUsual = {{"droplet", "wcsph"}, {"dam_break", "wcsph"}};
+const std::map<std::string, std::string> kUsual = {{"dam_break", "wcsph"}};
 
 nlohmann::json scene_problems(const Program& p) {
   const Outcome o = p.run("study --list --json");

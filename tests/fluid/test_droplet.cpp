@@ -4,8 +4,8 @@
 // across a radius. In space, with 5 to 8, single half periods are 0.35 to 1.2 of a whole one, 0.57 on average: the drop
 // swings, but its particles get stuck on each other now and then. pbf draws drops together and does not let them swing.
 // dfsph with the colour field, means of some three swings: 0.99 to 1.05 in the plane with 900 to 4,000 particles, the
-// pressure inside 0.94 to 1.03 of Laplace's; in space 1.00 to 1.02 with 3,900 and 0.84 to 0.92 with 1,500, 0.88 to
-// 0.91.
+// pressure inside 0.94 to 1.03 of Laplace's; in space 0.98 to 1.02 with 3,900 and 0.83 to 0.91 with 1,500, 0.91 to
+// 0.96.
 #include <cmath>
 
 #include "fluid/tank.h"
@@ -47,16 +47,14 @@ struct Swing {
   double first = 0, last = 0;    // length against width: (a^2 - b^2) / (a^2 + b^2) of the second moments
 };
 
-Swing swing(const std::string& solver, int dimension, double spacing, double periods,
-            const std::string& model = "cohesion") {
+Swing swing(const std::string& solver, int dimension, double spacing, double periods) {
   const double period = 2 * kPi / std::sqrt((dimension == 2 ? 6 : 8) * 1.0 / (kDensity * kRadius * kRadius * kRadius));
   WorldDesc desc = fluid_world(dimension);
   desc.gravity = Vec3::Zero(), desc.dt = static_cast<Real>(period / 120);
   World w(desc, fluid_catalog());
   Fluid& f = w.need<Fluid>();
   FluidDesc d;
-  d.solver = solver, d.surface_model = model, d.spacing = static_cast<Real>(spacing), d.density = kDensity,
-  d.surface_tension = 1;
+  d.solver = solver, d.spacing = static_cast<Real>(spacing), d.density = kDensity, d.surface_tension = 1;
   d.artificial_viscosity = 0, d.max_substeps = 2000;
   const ObjectId id = f.add_fluid(d);
   f.fill(id, drop(dimension, spacing, 1.15), Vec3::Zero());
@@ -119,7 +117,7 @@ TEST_CASE("surface tension draws a drop of any solver together", "[fluid][closed
 TEST_CASE("with the colour field a drop of dfsph swings with Lamb's frequency, again and again",
           "[fluid][color_field]") {
   const double spacing = 0.006;
-  const Swing s = swing("dfsph", 2, spacing, 2.1, "color_field");
+  const Swing s = swing("dfsph", 2, spacing, 2.1);
   if (!kFull) return;
   REQUIRE(s.passages.size() >= 4);
   CHECK((s.passages[3] - s.passages[0]) / 1.5 == Approx(1).epsilon(0.08));
@@ -148,7 +146,7 @@ TEST_CASE("a drop on a wall spreads or gathers as its work of adhesion says", "[
   add_plane(w, Vec3(0, 1, 0), 0);
   Fluid& f = w.need<Fluid>();
   FluidDesc d;
-  d.spacing = static_cast<Real>(spacing), d.surface_tension = 1, d.surface_model = "color_field", d.viscosity = 1;
+  d.spacing = static_cast<Real>(spacing), d.surface_tension = 1, d.viscosity = 1;
   d.adhesion = static_cast<Real>(1 + std::cos(radians(angle)));
   const ObjectId id = f.add_fluid(d);
   std::vector<Vec3> half;

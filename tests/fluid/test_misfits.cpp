@@ -114,3 +114,15 @@ TEST_CASE("a tank that is narrower than the spacing is warned of", "[fluid][misf
           "smaller spacing or a wider tank");
   CHECK(w.is_finite());
 }
+
+TEST_CASE("more tension between two fluids than both have is told", "[fluid][misfits]") {
+  World w(fluid_world(2), fluid_catalog());
+  Fluid& f = w.need<Fluid>();
+  FluidDesc d;
+  d.surface_tension = Real(0.25);
+  const ObjectId a = f.add_fluid(d), b = f.add_fluid(d);
+  f.set_interface(a, b, Real(0.5));
+  CHECK(told(w, "interface_tension", 1).empty());
+  f.set_interface(a, b, Real(0.75));
+  CHECK(told(w, "interface_tension", 1).size() == 1);
+}

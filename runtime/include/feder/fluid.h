@@ -30,6 +30,7 @@ struct Boundary;
 std::string default_fluid_solver();
 std::string default_fluid_kernel(std::string_view solver);
 std::string default_fluid_neighbors();
+std::string default_surface_model(std::string_view solver);
 
 struct FluidDesc {
   std::string name;
@@ -38,9 +39,9 @@ struct FluidDesc {
   Real density = 1000;        // at rest, kg/m^3 (dimension 2: kg/m^2)
   Real viscosity = 0;         // dynamic, Pa s; acts at boundaries as well, unless wall_slip is "free"
   std::string wall_slip = "none";
-  Real surface_tension = 0;                // N/m
-  std::string surface_model = "cohesion";  // or "color_field" (dfsph, and where it touches no other fluid)
-  Real adhesion = 0;  // work of adhesion to the boundary, N/m: tension times 1 + cos(contact angle); 0: none
+  Real surface_tension = 0;   // N/m
+  std::string surface_model;  // "color_field" (dfsph), "cohesion"; empty: the first that the solver bears
+  Real adhesion = 0;          // work of adhesion to the boundary, N/m: tension times 1 + cos(contact angle); 0: none
   std::string solver = default_fluid_solver();
   std::string kernel;  // empty: wendland for dfsph, cubic for others
   std::string neighbors = default_fluid_neighbors();
