@@ -1,5 +1,5 @@
-// Warnings about fluids that cannot go well together, tensions that they cannot have, and about fluids that do not fit:
-// where they meet, one spacing and densities within the ratio that their solver holds are wanted. Once each. Kept
+// Warnings about fluids that cannot go well together, tensions that they cannot have, and about fluids that do not
+// fit: where they meet, one spacing and densities within the ratio that their solver holds are wanted. Once each. Kept
 // between calls: who has been warned.
 #include <algorithm>
 
