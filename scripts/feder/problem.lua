@@ -84,9 +84,11 @@ function problem.fluid_ladders(solvers, seconds, rate)
   }
 end
 
--- The parameters that problems of fluids have, with `particles` across the length that the problem is about.
-function problem.fluid(particles, t_end)
-  local solvers, kernels = feder.choices("fluid.solver"), { "own", table.unpack(feder.choices("fluid.kernel")) }
+-- The parameters that problems of fluids have, with `particles` across the length that the problem is about; of all
+-- solvers, or of those that can do it.
+function problem.fluid(particles, t_end, solvers)
+  solvers = solvers or feder.choices("fluid.solver")
+  local kernels = { "own", table.unpack(feder.choices("fluid.kernel")) }
   local p = {
     solvers = solvers,
     solver = feder.param("solver", solvers[1], { choices = solvers }),
