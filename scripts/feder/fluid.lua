@@ -31,10 +31,23 @@ function fluid.front(water)
   return far
 end
 
--- A drop in the plane that is drawn out along x by a factor: places of its particles, evenly, but on no lattice, as rows
--- of particles are stiff (Vogel 1979, the spiral of sunflower seeds).
-function fluid.drop(radius, spacing, stretch)
+-- A drop that is drawn out along x by a factor: places of its particles, evenly, but on no lattice, as rows of particles
+-- are stiff: in the plane the spiral of sunflower seeds (Vogel 1979), in space the sequence of the root of g^4 = g + 1
+-- (Roberts 2018).
+function fluid.drop(radius, spacing, stretch, dimension)
   local points = {}
+  if dimension == 3 then
+    local count, g, k = math.floor(4 * math.pi / 3 * (radius / spacing) ^ 3 + 0.5), 1.22074408460575947536, 0
+    local function at(step) return 2 * (k / step % 1) - 1 end
+    while #points < count do
+      k = k + 1
+      local x, y, z = at(g), at(g * g), at(g * g * g)
+      if x * x + y * y + z * z < 1 then
+        points[#points + 1] = { stretch * radius * x, radius * y / math.sqrt(stretch), radius * z / math.sqrt(stretch) }
+      end
+    end
+    return points
+  end
   local count = math.floor(math.pi * radius ^ 2 / spacing ^ 2 + 0.5)
   for i = 1, count do
     local r, turn = radius * math.sqrt((i - 0.5) / count), i * math.pi * (3 - math.sqrt(5))
@@ -43,17 +56,21 @@ function fluid.drop(radius, spacing, stretch)
   return points
 end
 
--- How long it is along x against how wide along y, by the second moments: 0 when it is round.
-function fluid.elongation(drop)
-  local p, difference, sum = drop:positions(), 0, 0
+-- How long it is along x against how wide across, by the second moments: 0 when it is round.
+function fluid.elongation(drop, dimension)
+  local p, difference, sum, sides = drop:positions(), 0, 0, (dimension or 2) - 1
   for i = 1, #p, 3 do
-    difference, sum = difference + p[i] ^ 2 - p[i + 1] ^ 2, sum + p[i] ^ 2 + p[i + 1] ^ 2
+    local length, width = p[i] ^ 2, (p[i + 1] ^ 2 + p[i + 2] ^ 2) / sides
+    difference, sum = difference + length - width, sum + length + width
   end
   return difference / sum
 end
 
--- Angular frequency of its swing: omega^2 = n (n^2 - 1) sigma / (rho R^3) with n = 2 in the plane (Rayleigh 1879).
-function fluid.swing(tension, density, radius) return math.sqrt(6 * tension / (density * radius ^ 3)) end
+-- Angular frequency of its swing: omega^2 = n (n^2 - 1) sigma / (rho R^3) with n = 2 in the plane (Rayleigh 1879), in
+-- space l (l - 1) (l + 2) sigma / (rho R^3) with l = 2 (Lamb, Hydrodynamics, art. 275).
+function fluid.swing(tension, density, radius, dimension)
+  return math.sqrt((dimension == 3 and 8 or 6) * tension / (density * radius ^ 3))
+end
 
 local function names()
   local list = {}

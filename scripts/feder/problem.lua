@@ -1,6 +1,7 @@
 -- For scenes that are studied (scenes/study): rungs, what is observed, and references by other means than the engine.
 --   local problem = require "feder.problem"
 local feder = require "feder"
+local fluid = require "feder.fluid"
 
 local problem = {}
 
@@ -248,6 +249,58 @@ end
 function problem.swing_error(quantity, times, values, frequency)
   local period, loss = problem.period_and_loss(times, values, frequency)
   return math.abs(not period and 1 or quantity == "loss" and loss or period - 1)
+end
+
+-- A drop without gravity, drawn out along x and let go, as a scene: it passes its circle or sphere after a quarter and
+-- after three quarters of a period. In the plane, or in space: p.world.dimension.
+function problem.swinging_drop(p, title, tension)
+  local radius, stretch, dimension = 0.5, 0.15, p.world.dimension  -- m, of the radius
+  local frequency = fluid.swing(tension, 1000, radius, dimension)
+  p.world.gravity = { 0, 0 }
+  local drop, start, before, passages
+  local function error_now()
+    if #passages < 2 then return 1 end  -- has not come back
+    return math.abs((passages[2] - passages[1]) * frequency / math.pi - 1)
+  end
+  return {
+    title = title,
+    seconds = p.seconds,
+    world = p.world,
+
+    study = problem.of_fluid(p, function() return drop end, {
+      -- how much longer along x than across, by what it was at the start
+      observe = function() return fluid.elongation(drop, dimension) / start end,
+      reference = function(t) return math.cos(frequency * t) end,
+      error = error_now,
+      scale = { length = 1, velocity = frequency * stretch },
+      certainty = { source = "half a period pi / w between two passages through the "
+          .. (dimension == 3 and "sphere, w^2 = 8" or "circle, w^2 = 6") .. " sigma / (rho R^3)",
+        uncertainty = stretch * stretch,  -- the next term is of the order of the square of the stretch
+        resolution = 4 * p.spacing },
+    }),
+
+    build = function(world)
+      -- what damps particles lets them freeze to a lattice, which is stiff
+      drop = problem.water(world, p, { name = "drop", surface_tension = tension, artificial_viscosity = 0,
+        surface_model = dimension == 3 and p.solver == "dfsph" and "color_field" or nil })
+      drop:fill { points = fluid.drop(radius, p.spacing, 1 + stretch, dimension) }
+      start, passages = fluid.elongation(drop, dimension), {}
+      before = { t = 0, x = start }
+    end,
+
+    update = function(world)
+      local x, t, was = fluid.elongation(drop, dimension), world:time(), before
+      if was.x * x <= 0 then passages[#passages + 1] = was.t + (t - was.t) * was.x / (was.x - x) end
+      before = { t = t, x = x }
+    end,
+
+    check = function(world, _, expect)
+      expect(world:is_finite())
+      expect(#passages >= 1, "the drop does not swing")
+      local px, py, pz = world:momentum()
+      expect(math.abs(px) + math.abs(py) + math.abs(pz) < 1e-2, "the drop moves as a whole")
+    end,
+  }
 end
 
 -- Puts vertices to their places of rest; the root mean square of how far they are from there.

@@ -37,6 +37,7 @@ const std::map<std::string, std::string> kRungs = {
     {"two_layer", "substeps:2,4 --set t_end=2.5"},
     {"added_mass", "substeps:2,4"},
     {"siphon", "substeps:2,4 --set t_end=2.6"},
+    {"droplet_3d", "substeps:2,4"},
 };
 
 // Where the default is not the method that comes close.
