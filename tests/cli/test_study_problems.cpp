@@ -38,6 +38,7 @@ const std::map<std::string, std::string> kRungs = {
     {"added_mass", "substeps:2,4"},
     {"siphon", "substeps:2,4 --set t_end=2.6"},
     {"droplet_3d", "substeps:2,4"},
+    {"contact_angle", "substeps:2,4"},
 };
 
 // Where the default is not the method that comes close.
