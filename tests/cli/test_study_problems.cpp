@@ -39,6 +39,7 @@ const std::map<std::string, std::string> kRungs = {
     {"siphon", "substeps:2,4 --set t_end=2.6"},
     {"droplet_3d", "substeps:2,4"},
     {"contact_angle", "substeps:2,4"},
+    {"honey_fold", "substeps:1,2 --set t_end=2.3"},
 };
 
 // Where the default is not the method that comes close.
