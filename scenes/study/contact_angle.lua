@@ -55,7 +55,7 @@ return feder.scene {
   build = function(world)
     world:body { type = "static", shape = feder.plane() }
     drop = problem.water(world, p, { name = "drop", surface_tension = tension, contact_angle = angle, viscosity = 1,
-      artificial_viscosity = 0, surface_model = p.solver == "dfsph" and "color_field" or nil })
+      artificial_viscosity = 0 })
     local points = {}
     for _, at in ipairs(fluid.drop(radius, p.spacing, 1)) do
       if at[2] > 0 then points[#points + 1] = at end

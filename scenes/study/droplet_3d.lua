@@ -7,4 +7,7 @@ local p = problem.fluid(20, 2, { "dfsph", "wcsph" })  -- pbf draws the drop toge
 local tension = feder.param("tension", 125, { min = 1, max = 1e5, help = "N/m; 125 makes a period of 2.221 s" })
 p.world.dimension = 3
 
-return feder.scene(problem.swinging_drop(p, "Swinging drop in space", tension))
+return feder.scene(problem.swinging_drop(p, {
+  title = "Swinging drop in space",
+  tension = tension,
+}))

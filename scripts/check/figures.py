@@ -30,7 +30,9 @@ FLUIDS = (("hydrostatic", "pressure rho g (H - z)"), ("dam_break", "Martin & Moy
           ("draught", "Archimedes"), ("poiseuille", "start-up series"), ("droplet", "Lamb's half period"),
           ("slosh", "period of potential theory"), ("u_tube", "Newton's period"), ("vessels", "level of the volume"),
           ("torricelli", "v^2 = 2 g h"), ("couette", "start-up series"), ("taylor_green", "decay of the energy"),
-          ("two_layer", "Lamb's internal wave"), ("added_mass", "g (1 - s) / (s + C)"))
+          ("two_layer", "Lamb's internal wave"), ("added_mass", "g (1 - s) / (s + C)"), ("siphon", "Newton's period"),
+          ("droplet_3d", "Lamb's half period"), ("contact_angle", "Young's angle, of a radian"),
+          ("honey_fold", "folds of a thin sheet"))
 # problem, substeps, reference
 CLOTHS = (("hanging_sheet", 16, "closed form"), ("catenary", 16, "closed form"), ("cantilever", 32, "elastica"),
           ("drape", 8, "self-refined run"))
@@ -107,8 +109,10 @@ def errors(feder, words, methods):
     floor = report["problem"]["reference"]["floor"]
     out = []
     for method in methods:
-        point = next(p for p in report["points"] if p["method"] == method)
-        if point["status"] not in ("ok", "slow"):
+        point = next((p for p in report["points"] if p["method"] == method), None)
+        if not point:
+            out.append("-")
+        elif point["status"] not in ("ok", "slow"):
             out.append(point["status"])
         else:
             out.append(percent(point["err_end"]) + (" *" if point["err_end"] < floor else ""))

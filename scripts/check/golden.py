@@ -29,7 +29,8 @@ KINDS = {"rigid": ["", "--world rigid.solver=impulse"], "net": [""],
 # scenes that take long at their own size run smaller
 SMALLER = {"scenes/cloth/fold.lua": "--set rows=20", "scenes/cloth/tablecloth.lua": "--set rows=21",
            "scenes/cloth/curtain_ball.lua": "--set rows=17", "scenes/fluid/floating_crates.lua": "--set spacing=0.06",
-           "scenes/fluid/glass.lua": "--set spacing=0.012",
+           "scenes/fluid/glass.lua": "--set spacing=0.012", "scenes/study/siphon.lua": "--set particles=40",
+           "scenes/study/honey_fold.lua": "--set particles=40", "scenes/study/droplet_3d.lua": "--set particles=14",
            "scenes/rigid/wall.lua": "--set rows=8 --set length=12", "scenes/rigid/columns.lua": "--set side=2",
            "scenes/rigid/mixed_pile.lua": "--set count=40"}
 # two thirds of the time of all: scripts/test looks at their first 60 steps alone, scripts/test --all at 240

@@ -252,10 +252,10 @@ function problem.swing_error(quantity, times, values, frequency)
 end
 
 -- A drop without gravity, drawn out along x and let go, as a scene: it passes its circle or sphere after a quarter and
--- after three quarters of a period. In the plane, or in space: p.world.dimension.
-function problem.swinging_drop(p, title, tension)
+-- after three quarters of a period. In the plane, or in space: p.world.dimension. options: title, tension in N/m.
+function problem.swinging_drop(p, options)
   local radius, stretch, dimension = 0.5, 0.15, p.world.dimension  -- m, of the radius
-  local frequency = fluid.swing(tension, 1000, radius, dimension)
+  local frequency = fluid.swing(options.tension, 1000, radius, dimension)
   p.world.gravity = { 0, 0 }
   local drop, start, before, passages
   local function error_now()
@@ -263,7 +263,7 @@ function problem.swinging_drop(p, title, tension)
     return math.abs((passages[2] - passages[1]) * frequency / math.pi - 1)
   end
   return {
-    title = title,
+    title = options.title,
     seconds = p.seconds,
     world = p.world,
 
@@ -281,8 +281,7 @@ function problem.swinging_drop(p, title, tension)
 
     build = function(world)
       -- what damps particles lets them freeze to a lattice, which is stiff
-      drop = problem.water(world, p, { name = "drop", surface_tension = tension, artificial_viscosity = 0,
-        surface_model = dimension == 3 and p.solver == "dfsph" and "color_field" or nil })
+      drop = problem.water(world, p, { name = "drop", surface_tension = options.tension, artificial_viscosity = 0 })
       drop:fill { points = fluid.drop(radius, p.spacing, 1 + stretch, dimension) }
       start, passages = fluid.elongation(drop, dimension), {}
       before = { t = 0, x = start }
