@@ -74,50 +74,65 @@ class Band {
   std::vector<double> right_;
 };
 
+struct State {
+  std::vector<Point> x, v;
+  std::size_t laid = 0, last = 0;  // the last point that lies, and the last one below the slot
+};
+
+// Turn of the piece from one point to the next, by a motion of that.
+Point turn(const Point& from, const Point& to) {
+  const double dx = to.x - from.x, dy = to.y - from.y, squared = dx * dx + dy * dy;
+  return {-dy / squared, dx / squared};
+}
+
+// For the velocities of what is between the slot and the plate.
+Band equations(const Sheet& s, const State& now, double step) {
+  const auto& [x, v, laid, last] = now;
+  Band m(2 * (last - laid));
+  // of points that follow each other
+  const auto dissipate = [&, laid = laid, last = last](std::size_t first, std::size_t count, const Point* terms,
+                                                       double weight) {
+    int at[3];
+    double known = 0;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::size_t i = first + k;
+      at[k] = i > laid && i <= last ? static_cast<int>(i - laid - 1) : -1;
+      if (i > last) known -= terms[k].y;
+    }
+    m.add(count, at, terms, known, weight);
+  };
+  const double piece = 1.0 / s.pieces, mass = s.thickness * piece;
+  for (std::size_t i = laid; i <= last; ++i) {
+    const double dx = x[i + 1].x - x[i].x, dy = x[i + 1].y - x[i].y, squared = dx * dx + dy * dy;
+    const Point along[2] = {{-dx / squared, -dy / squared}, {dx / squared, dy / squared}};
+    dissipate(i, 2, along, 4 * s.viscosity * s.thickness * std::sqrt(squared));
+  }
+  for (std::size_t i = std::max<std::size_t>(laid, 1); i <= last + 1; ++i) {
+    const Point a = turn(x[i - 1], x[i]), b = turn(x[i], x[i + 1]), bend[3] = {a, {-a.x - b.x, -a.y - b.y}, b};
+    dissipate(i - 1, 3, bend, s.viscosity * std::pow(s.thickness, 3) / (3 * piece));
+  }
+  for (std::size_t i = laid + 1; i <= last; ++i) {
+    const int at = 2 * static_cast<int>(i - laid - 1);
+    m.add(at, mass / step, mass / step * v[i].x);
+    m.add(at + 1, mass / step, mass * (v[i].y / step - s.gravity));
+  }
+  return m;
+}
+
 // Mean time between passages of half the height after the second one, by height over speed.
 double time_of_passage(const Sheet& s, double until) {
   const double piece = 1.0 / s.pieces, step = 0.2 * piece;
-  std::vector<Point> x, v;
+  State now;
+  auto& [x, v, laid, last] = now;
   for (int i = 0; i <= s.pieces; ++i) x.push_back({0.02 * std::sin(3.14159265358979 * i * piece), i * piece});
-  std::size_t laid = 0;  // the last point that lies
   std::vector<double> passages;
   double side = 0, h = step;
   for (double t = 0; t < until; t += h) {
     while (x.back().y < 1 + 2.5 * piece) x.push_back({0, x.back().y + piece});
     v.resize(x.size(), Point{0, -1});
-    std::size_t last = x.size() - 1;
+    last = x.size() - 1;
     while (x[last].y > 1) --last;
-    Band m(2 * (last - laid));
-    const auto dissipate = [&](std::size_t first, std::size_t count, const Point* terms, double weight) {
-      int at[3];
-      double known = 0;
-      for (std::size_t k = 0; k < count; ++k) {
-        const std::size_t i = first + k;
-        at[k] = i > laid && i <= last ? static_cast<int>(i - laid - 1) : -1;
-        if (i > last) known -= terms[k].y;
-      }
-      m.add(count, at, terms, known, weight);
-    };
-    for (std::size_t i = laid; i <= last; ++i) {
-      const double dx = x[i + 1].x - x[i].x, dy = x[i + 1].y - x[i].y, squared = dx * dx + dy * dy;
-      const Point along[2] = {{-dx / squared, -dy / squared}, {dx / squared, dy / squared}};
-      dissipate(i, 2, along, 4 * s.viscosity * s.thickness * std::sqrt(squared));
-    }
-    for (std::size_t i = std::max<std::size_t>(laid, 1); i <= last + 1; ++i) {
-      const auto turn = [&](std::size_t k) {  // of piece k, by a motion of its end
-        const double dx = x[k + 1].x - x[k].x, dy = x[k + 1].y - x[k].y, squared = dx * dx + dy * dy;
-        return Point{-dy / squared, dx / squared};
-      };
-      const Point a = turn(i - 1), b = turn(i), bend[3] = {a, {-a.x - b.x, -a.y - b.y}, b};
-      dissipate(i - 1, 3, bend, s.viscosity * std::pow(s.thickness, 3) / (3 * piece));
-    }
-    const double mass = s.thickness * piece;
-    for (std::size_t i = laid + 1; i <= last; ++i) {
-      const int at = 2 * static_cast<int>(i - laid - 1);
-      m.add(at, mass / step, mass / step * v[i].x);
-      m.add(at + 1, mass / step, mass * (v[i].y / step - s.gravity));
-    }
-    const std::vector<double> solved = m.solve();
+    const std::vector<double> solved = equations(s, now, step).solve();
     double fastest = 1;
     for (std::size_t i = laid + 1; i <= last; ++i) {
       v[i] = {solved[2 * (i - laid - 1)], solved[2 * (i - laid - 1) + 1]};
@@ -127,11 +142,11 @@ double time_of_passage(const Sheet& s, double until) {
     for (std::size_t i = laid + 1; i < x.size(); ++i) x[i] = {x[i].x + h * v[i].x, x[i].y + h * v[i].y};
     std::size_t middle = last;
     while (middle > laid + 1 && x[middle].y > 0.5) --middle;
-    for (std::size_t i = laid + 1, low = last; i <= low; ++i)
-      if (x[i].y <= 0) laid = i;
-    for (std::size_t i = 0; i <= laid; ++i) x[i].y = std::max(x[i].y, 0.0);
     if (side * x[middle].x < 0) passages.push_back(t);
     if (x[middle].x != 0) side = x[middle].x;
+    for (std::size_t i = laid + 1; i <= last; ++i)
+      if (x[i].y <= 0) laid = i;
+    for (std::size_t i = 0; i <= laid; ++i) x[i].y = std::max(x[i].y, 0.0);
   }
   REQUIRE(passages.size() > 6);
   return (passages.back() - passages[2]) / static_cast<double>(passages.size() - 3);
