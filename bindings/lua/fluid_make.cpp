@@ -33,6 +33,32 @@ void read_contact_angle(Options& o, const OptionRow& row, FluidReading& d) {
   d.adhesion = d.surface_tension * (1 + std::cos(angle * Real(3.14159265358979323846 / 180)));
 }
 
+struct KernelRoles {
+  std::string density, pressure, viscosity;
+};
+constexpr Option<KernelRoles> kKernels[] = {
+    field<&KernelRoles::density>("density").unset(),
+    field<&KernelRoles::pressure>("pressure").unset(),
+    field<&KernelRoles::viscosity>("viscosity").of(viscosity_names).unset(),
+};
+
+// kernels = { density =, pressure =, viscosity = }
+void read_kernels(Options& o, const OptionRow& row, FluidReading& d) {
+  if (!o.push_any(row.name)) return;
+  lua_State* L = o.L();
+  if (lua_type(L, -1) != LUA_TTABLE) o.wrong(row.name, "{ density =, pressure =, viscosity = }");
+  if (o.has("kernel")) o.raise(row.name, "expected kernel or kernels, got both");
+  KernelRoles roles;
+  Options inner(L, -1, o.path(row.name));
+  inner.read(kKernels, roles);
+  lua_pop(L, 1);
+  if (!roles.pressure.empty() || !roles.density.empty()) {
+    const std::string& one = roles.density.empty() ? roles.pressure : roles.density;
+    d.kernel = kernel_by_roles(one, roles.pressure.empty() ? one : roles.pressure);
+  }
+  if (!roles.viscosity.empty()) kernel_by_viscosity(d.viscosity_kernel = roles.viscosity);
+}
+
 // A word that the description keeps as it is; shown: what it is when nobody says is one of them.
 constexpr const char kWallSlip[] = "none, free", kSurfaceModel[] = "cohesion, color_field",
                      kIntegrator[] = "leapfrog, symplectic_euler";
@@ -59,8 +85,11 @@ constexpr Option<FluidReading> kFluid[] = {
     word<&FluidDesc::surface_model, kSurfaceModel>("surface_model", false),
     field<&FluidDesc::adhesion>("adhesion", "N/m", kNotNegative),
     {{.name = "contact_angle", .unit = "degrees", .range = {0, 180}}, "number", read_contact_angle},
+    field<&FluidDesc::friction>("friction", "", kNotNegative),
+    field<&FluidDesc::vorticity>("vorticity", "1/s", kNotNegative),
     field<&FluidDesc::solver>("solver").of(names_of<fluid_solvers>),
     field<&FluidDesc::kernel>("kernel").of(names_of<kernels>).unset(),
+    {{.name = "kernels"}, "table", read_kernels, nullptr, rows_of<kKernels>},
     field<&FluidDesc::neighbors>("neighbors").of(names_of<neighbor_searches>),
     field<&FluidDesc::support>("support", "", {1.2, 4}).unset(),
     field<&FluidDesc::stiffness>("stiffness", "Pa", kNotNegative),

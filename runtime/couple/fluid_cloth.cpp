@@ -1,7 +1,9 @@
 // Per substep: sheets screen the particles near them (fluid_faces.h); the fluid moves; particles that lie on a sheet or
 // would pass it in this substep become solver bodies, so that the surface substeps solve their contacts together with
 // the cloth's stretch and with bodies: the weight of a pool reaches the pins within the substep. Then the particles are
-// read back, and projected so that none passes a triangle. Contacts have no friction and no wetting. Kept between
+// read back, and projected so that none passes a triangle. Friction (Coulomb, of the
+// fluid's coefficient) follows, contact by contact, on the particle and on the point of the sheet below it: half a
+// spacing apart, which is a moment that nobody feels. Contacts have no wetting. Kept between
 // calls: impulses on each cloth, for waking. Weak spot: a pool of N layers presses its first layer into the sheet by
 // about N g h^2 in each substep and is pushed out again; a cloth far lighter than a single particle follows single
 // drops in jerks, and wcsph, explicit, gains energy on it (tests/couple/test_fluid_cloth_leaks.cpp: 37 kg of water on
@@ -215,8 +217,10 @@ void FluidCloth::make_rows(StepContext& c) {
 void FluidCloth::read_back(StepContext& c) {
   const Real g = length(c.gravity);
   std::size_t at = 0;
+  pressing_.assign(faces_.contacts.size(), Pressing{});
   next_row_.assign(surfaces_.group_count, 0);
-  for (const FaceContact& k : faces_.contacts) {
+  for (std::size_t n = 0; n < faces_.contacts.size(); ++n) {
+    const FaceContact& k = faces_.contacts[n];
     // rows are in the order of the contacts, with those of bodies before or after
     const std::size_t group = surfaces_.group_of(faces_.surfaces[k.surface].index);
     const Array<SurfaceRow>& rows = surfaces_.groups[group]->rows;
@@ -232,6 +236,7 @@ void FluidCloth::read_back(StepContext& c) {
     const Real net = r.impulse - r.returned;
     particle_bodies_[at].pushed -= net * r.normal;
     FEDER_ASSERT(k.pool == particle_bodies_[at].pool && k.particle == particle_bodies_[at].particle);
+    pressing_[n] = {net, -r.normal};
     if (net > 0) record(k, net, r.approach, -r.normal);
     Pressed& to = pressed_[faces_.surfaces[k.surface].index];
     to.all += std::abs(net);
@@ -254,6 +259,8 @@ void FluidCloth::read_back(StepContext& c) {
   }
   solver_bodies_.state.resize(own_bodies_), solver_bodies_.mass.resize(own_bodies_);
   drop_rows();
+  for (std::size_t n = 0; n < faces_.contacts.size(); ++n)
+    rub(faces_.contacts[n], faces_.contacts[n].weight, pressing_[n].normal, pressing_[n].impulse);
   // non-penetration projection against the faces where they are now
   const auto now = [&](std::uint32_t i) {
     return Vec3(cloth_.vertices().position[i] + surfaces_.delta_position[i].vec());
@@ -281,10 +288,27 @@ void FluidCloth::project_out(const FaceContact& k, const FaceHit& hit, StepConte
   const Vec3 impulse = (closing / response) * hit.normal;
   p.v[k.particle].set(p.v[k.particle].vec() + impulse / p.mass);
   for (int i = 0; i < 3; ++i) cloth_.push(k.vertex[i], -hit.weight[i] * impulse);
+  rub(k, hit.weight, hit.normal, length(impulse));
   record(k, length(impulse), closing, hit.normal);
   Pressed& to = pressed_[faces_.surfaces[k.surface].index];
   to.all += length(impulse);
   if (length(c.gravity) > 0) to.along -= dot(impulse, c.gravity) / length(c.gravity);
+}
+
+// Friction of a contact that pressed with that impulse, N s.
+void FluidCloth::rub(const FaceContact& k, const Real (&weight)[3], const Vec3& normal, Real pressing) {
+  FluidPool& p = fluid_.pool_at(k.pool);
+  if (!(pressing > 0) || !(p.desc.friction > 0)) return;
+  Vec3 slip = p.v[k.particle].vec();
+  Real response = 1 / p.mass;
+  for (int i = 0; i < 3; ++i) {
+    slip -= weight[i] * surfaces_.velocity[k.vertex[i]].vec();
+    response += weight[i] * weight[i] * surfaces_.delta_position[k.vertex[i]].w;
+  }
+  slip -= dot(slip, normal) * normal;
+  const Vec3 impulse = friction_impulse(slip, response, p.desc.friction * pressing);
+  p.v[k.particle].set(p.v[k.particle].vec() + impulse / p.mass);
+  for (int i = 0; i < 3; ++i) cloth_.push(k.vertex[i], -weight[i] * impulse);
 }
 
 // Load of fluid on each cloth, added to that of bodies.

@@ -51,6 +51,7 @@ class FluidCloth final : public System {
   void list_surfaces();
   void find_impact(std::size_t n, StepContext& c);
   void drop_rows();
+  void rub(const FaceContact& k, const Real (&weight)[3], const Vec3& normal, Real pressing);
   void project_out(const FaceContact& k, const FaceHit& hit, StepContext& c);
   ObjectId fluid_of(std::uint32_t pool) const;
   void record(const FaceContact& k, Real impulse, Real speed, const Vec3& normal);
@@ -66,7 +67,12 @@ class FluidCloth final : public System {
   FluidFaces faces_;
   Array<ParticleBody> particle_bodies_{&arena_};
   Array<std::uint32_t> next_row_{&arena_};  // by group of cloths
-  Array<Pressed> pressed_{&arena_};         // by cloth
+  struct Pressing {
+    Real impulse = 0;  // N s
+    Vec3 normal = Vec3::Zero();
+  };
+  Array<Pressing> pressing_{&arena_};  // by contact, of the running substep
+  Array<Pressed> pressed_{&arena_};    // by cloth
   FaceContactStates contact_states_{arena_};
   std::uint32_t own_bodies_ = 0;     // number of solver bodies without those of particles
   double mismatch_ = 0, given_ = 0;  // N s, of the last step

@@ -13,7 +13,10 @@ namespace {
 
 constexpr Real kSlack = Real(0.1);      // of the spacing: margin within which contacts are listed
 constexpr Real kClearance = Real(0.3);  // of the distance at rest, that every particle keeps
+constexpr Real kSameSide = Real(0.5);   // least cosine between the normals of a contact at the start and at the end
 constexpr Real kOffEdge = Real(0.02);   // least weight of each corner where a particle stays on a face
+
+}  // namespace
 
 void nearest_weights(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, Vec3& q, Real (&w)[3]) {
   q = closest_on_triangle(x, a, b, c);
@@ -23,8 +26,6 @@ void nearest_weights(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c,
   FEDER_ASSERT(!(sum <= 0));
   for (Real& k : w) k /= sum;
 }
-
-}  // namespace
 
 void plane_weights(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, Real (&w)[3]) {
   const Vec3 u = b - a, v = c - a, p = x - a, n = cross(u, v);
@@ -148,6 +149,7 @@ void FluidFaces::find(Fluid& fluid) {
         // exactly on the face: back to where it came from
         const Vec3 back = dot(up, path) > 0 ? Vec3(-up) : up;
         k.normal = k.distance > Real(1e-4) * p.desc.spacing ? Vec3((from - q) / k.distance) : back;
+        if (fastest <= k.rest) aim(k, from, to);
         FEDER_ASSERT(is_direction(k.normal) && sums_to(k.weight, 1) && k.rest > 0);
         contacts.push_back(k);
       });
@@ -158,6 +160,22 @@ void FluidFaces::find(Fluid& fluid) {
                 });
     }
   }
+}
+
+// The contact as it will be at the end of a substep in which neither side goes far, unless the particle would pass the
+// face: by the line at the start a particle that slides along a sheet runs into each next face, tilted as it is seen
+// from afar.
+void FluidFaces::aim(FaceContact& k, const Vec3& from, const Vec3& to) const {
+  const auto corner = [&](int i) { return end[k.vertex[i]]; };
+  Vec3 q;
+  Real weight[3];
+  nearest_weights(to, corner(0), corner(1), corner(2), q, weight);
+  const Vec3 apart = to - q, normal = normalized_or(apart, k.normal);
+  if (dot(normal, k.normal) < kSameSide) return;
+  Vec3 then = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) then += weight[i] * start[k.vertex[i]];
+  std::copy(weight, weight + 3, k.weight);
+  k.normal = normal, k.distance = dot(normal, Vec3(from - then));
 }
 
 bool FluidFaces::near(Fluid& fluid, const FaceSurface& s, Real margin) const {

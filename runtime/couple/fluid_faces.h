@@ -36,9 +36,9 @@ struct FaceSurface {
 struct FaceContact {
   std::uint32_t pool = 0, particle = 0, surface = 0;
   std::uint32_t vertex[3] = {};
-  Real weight[3] = {};         // of the nearest point, at the start of the substep
-  Vec3 normal = Vec3::Zero();  // from there to the particle, at the start of the substep
-  Real distance = 0;           // at the start of the substep, m
+  Real weight[3] = {};         // of the nearest point, as predicted for the end of the substep
+  Vec3 normal = Vec3::Zero();  // from there to the particle, to the side at the start of the substep
+  Real distance = 0;           // along it, at the start of the substep, m
   Real rest = 0;               // least distance wanted, m
 };
 
@@ -102,6 +102,7 @@ class FluidFaces {
     std::uint32_t surface = 0;
   };
   void list_faces();
+  void aim(FaceContact& k, const Vec3& from, const Vec3& to) const;
   // The contact with the face that a particle met first on its way from `from` to `to`, or else ends too near to; null:
   // none.
   const FaceContact* first_met(std::span<const FaceContact> of, const Vec3& from, const Vec3& to, FaceHit& hit) const;
@@ -118,6 +119,15 @@ class FluidFaces {
   Real moved_ = 0;    // m, the largest of particles since
 };
 
+// Against the slip, at most as large as ends it: Coulomb. `response`: 1/kg.
+inline Vec3 friction_impulse(const Vec3& slip, Real response, Real most) {
+  const Real speed = length(slip);
+  if (!(speed > 0) || !(most > 0)) return Vec3::Zero();
+  return (-std::min(most, speed / response) / speed) * slip;
+}
+
+// The point of the triangle nearest to x, and its weights.
+void nearest_weights(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, Vec3& q, Real (&w)[3]);
 // Barycentric weights of the point of the plane of a, b, c nearest to x.
 void plane_weights(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, Real (&w)[3]);
 

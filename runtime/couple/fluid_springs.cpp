@@ -1,8 +1,9 @@
 // Per substep: the net's integrator has moved its points; its faces screen the particles near them (fluid_faces.h); the
 // fluid moves; then contacts push both sides apart by their masses, a few times over all of them (projected
-// Gauss-Seidel). Points in contact with bodies are handed to the rigid solver with the fluid's impulses. Contacts have
-// no friction. Kept between calls: nothing. Weak spot: points much lighter than the particles that lie on them yield
-// between one substep and the next, as springs are not solved together with the contacts.
+// Gauss-Seidel). Points in contact with bodies are handed to the rigid solver with the fluid's impulses. Friction
+// (Coulomb, of the fluid's coefficient) goes with each of these impulses. Kept between calls: nothing. Weak spot:
+// points much lighter than the particles that lie on them yield between one substep and the next, as springs are not
+// solved together with the contacts.
 #include "couple/fluid_springs.h"
 
 #include <algorithm>
@@ -96,21 +97,21 @@ void FluidSprings::record(const FaceContact& k, const Push& total) {
 
 void FluidSprings::report(StepContext&) { contact_states_.report(contacts_, finder_, objects_); }
 
-// Along the present line from the face's nearest point to the particle, so that no torque is left.
+// Along the line from the face's nearest point, where both are now, to the particle: what slides along a face is not
+// held back by the point that it has left, and no torque is left.
 void FluidSprings::push_apart(const FaceContact& k, Push& total) {
   FluidPool& p = fluid_.pool_at(k.pool);
-  Vec3 q = Vec3::Zero();
-  Real response = 1 / p.mass;
-  for (int i = 0; i < 3; ++i) {
-    q += k.weight[i] * points_.position[k.vertex[i]];
-    response += k.weight[i] * k.weight[i] * points_.inv_mass[k.vertex[i]];
-  }
+  const auto corner = [&](int i) { return points_.position[k.vertex[i]]; };
+  Vec3 q;
+  Real weight[3], response = 1 / p.mass;
+  nearest_weights(p.x[k.particle].vec(), corner(0), corner(1), corner(2), q, weight);
+  for (int i = 0; i < 3; ++i) response += weight[i] * weight[i] * points_.inv_mass[k.vertex[i]];
   const Vec3 apart = p.x[k.particle].vec() - q;
   Vec3 n = normalized_or(apart, k.normal);
   if (dot(n, k.normal) < Real(0.5)) n = k.normal;  // it passed, or lies far beside the face
   const Real gap = dot(n, apart) - k.rest;
   if (!(gap < 0)) return;
-  exchange(k, k.weight, n, total);
+  exchange(k, weight, n, total);
   // overlap from before the substep is undone slowly
   const Real older = std::max(k.rest - k.distance, Real(0));
   const Real need = std::max(-gap - older, Real(0)) + std::min({older, -gap, kPush * p.desc.spacing});
@@ -121,7 +122,7 @@ void FluidSprings::push_apart(const FaceContact& k, Push& total) {
   faces_.particle_moved(total.moved);
   for (int i = 0; i < 3; ++i) {
     const std::uint32_t v = k.vertex[i];
-    points_.move(v, (-push * k.weight[i] * points_.inv_mass[v]) * n);
+    points_.move(v, (-push * weight[i] * points_.inv_mass[v]) * n);
   }
 }
 
@@ -137,7 +138,8 @@ void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const
   const Real closing = -dot(n, u);
   if (!(closing > 0)) return;
   FEDER_ASSERT(!(response < 0) && is_direction(n) && k.particle < p.count);
-  const Vec3 impulse = (closing / response) * n;
+  const Vec3 slip = u - dot(u, n) * n, pressing = (closing / response) * n;
+  const Vec3 impulse = pressing + friction_impulse(slip, response, p.desc.friction * length(pressing));
   // momentum before and after, for the mismatch
   double before[3], after[3];
   const auto sum = [&](double(&out)[3]) {
@@ -161,7 +163,7 @@ void FluidSprings::exchange(const FaceContact& k, const Real (&weight)[3], const
   for (int j = 0; j < 3; ++j)
     mismatch_ = std::max(mismatch_, std::abs(after[j] - before[j] - static_cast<double>(held[j])));
   given_ += static_cast<double>(length(impulse));
-  total.impulse += length(impulse), total.normal = n;
+  total.impulse += length(pressing), total.normal = n;
   total.speed = std::max(total.speed, closing);
 }
 

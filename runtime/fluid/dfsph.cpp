@@ -254,6 +254,7 @@ void Dfsph::correct_velocities(StepContext& c) {
     if (travel(p) <= kLivelyTravel) damp_still_noise(p, h_, c);
     if (p.desc.viscosity > 0 && !needs_implicit_viscosity(p, h_)) add_viscosity(p, *boundary, h_, c);
     if (has_tension(p)) add_tension(p, *boundary, h_, c);
+    if (p.desc.vorticity > 0) confine_vorticity(p, h_, c);
     if (!p.least.empty()) keep_apart(p, kRepulsion, 0, c);
     if (tension_by_color(p)) keep_apart(p, kSkinRepulsion[p.dimension - 2], p.color_energy * h_ * p.volume, c);
     p.last_h = h_;

@@ -29,6 +29,8 @@ void check_desc(const FluidDesc& d) {
   if (!d.surface_model.empty() && d.surface_model != "cohesion" && d.surface_model != "color_field")
     throw SceneError("fluid: surface_model: expected \"cohesion\" or \"color_field\", got \"" + d.surface_model + "\"");
   need(d.adhesion >= 0 && is_finite(d.adhesion), "adhesion", "a finite number, 0 or more", d.adhesion);
+  need(d.friction >= 0 && is_finite(d.friction), "friction", "a finite number, 0 or more", d.friction);
+  need(d.vorticity >= 0 && is_finite(d.vorticity), "vorticity", "a finite number, 0 or more", d.vorticity);
   if (d.integrator != "leapfrog" && d.integrator != "symplectic_euler")
     throw SceneError("fluid: integrator: expected \"leapfrog\" or \"symplectic_euler\", got \"" + d.integrator + "\"");
   need(d.support == 0 || (d.support >= Real(1.2) && d.support <= 4), "support", "1.2 to 4 spacings", d.support);

@@ -41,7 +41,7 @@ FluidDesc desc_of(const std::vector<FluidPool*>& fluids) {
     const FluidDesc& o = p->desc;
     d.density = std::max(d.density, o.density), d.viscosity = std::max(d.viscosity, o.viscosity);
     d.surface_tension = std::max(d.surface_tension, o.surface_tension);
-    d.adhesion = std::max(d.adhesion, o.adhesion);
+    d.adhesion = std::max(d.adhesion, o.adhesion), d.vorticity = std::max(d.vorticity, o.vorticity);
     d.stiffness = std::max(d.stiffness, o.stiffness), d.iterations = std::max(d.iterations, o.iterations);
     d.negative_pressure = std::max(d.negative_pressure, o.negative_pressure);
     d.tolerance = std::min(d.tolerance, o.tolerance), d.spacing = std::max(d.spacing, o.spacing);
@@ -112,6 +112,7 @@ void Fluid::Impl::check_suits(const FluidPool& made) const {
     };
     differ("solver", made.desc.solver, p->desc.solver);
     differ("kernel", made.desc.kernel, p->desc.kernel);
+    differ("kernels.viscosity", made.desc.viscosity_kernel, p->desc.viscosity_kernel);
     differ("surface_model", made.desc.surface_model, p->desc.surface_model);
     differ("integrator", made.desc.integrator, p->desc.integrator);
     differ("wall_slip", made.desc.wall_slip, p->desc.wall_slip);

@@ -366,6 +366,7 @@ void Pbf::apply_viscosity(StepContext& c) {
     });
     if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h_, c);
     if (has_tension(p)) add_tension(p, *boundary, h_, c);
+    if (p.desc.vorticity > 0) confine_vorticity(p, h_, c);
   });
 }
 

@@ -25,16 +25,10 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(
   FEDER_ASSERT(dim == 2 || dim == 3);
   if (desc.surface_model.empty()) desc.surface_model = default_surface_model(desc.solver);
   if (desc.kernel.empty()) desc.kernel = default_fluid_kernel(desc.solver);
-  std::string known;
-  kernel = nullptr;
-  for (const Kernel& k : kernels()) {
-    if (!k.sweeps) continue;
-    known += (known.empty() ? "" : ", ") + std::string(k.name);
-    if (desc.kernel == k.name) kernel = &k;
-  }
-  if (!kernel) throw SceneError("fluid.kernel: unknown kernel '" + desc.kernel + "'; known: " + known);
+  const Kernel& named = kernel_by_name(desc.kernel);
+  if (desc.viscosity_kernel.empty()) desc.viscosity_kernel = named.viscosity_name;
+  kernel_with_viscosity(named, kernel_by_viscosity(desc.viscosity_kernel));
   // factors that make the sum over a lattice at rest 1
-  sweeps = &sweeps_of(*kernel);
   const double in_spacings = desc.support > 0 ? static_cast<double>(desc.support) : kernel->support[dim - 2];
   support = static_cast<Real>(in_spacings) * desc.spacing;
   volume = power(desc.spacing, dim);
@@ -44,6 +38,7 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(
   const Real slope_norm = static_cast<Real>(kernel->norm_gradient[dim - 2]);
   value_factor = unit * value_norm / power(support, dim);
   slope_factor = unit * slope_norm / power(support, dim + 2);
+  viscous_factor = unit * static_cast<Real>(kernel->norm_viscosity[dim - 2]) / power(support, dim + 2);
   own_value = unit * static_cast<Real>(kernel->density.value(dim, 0)) / power(support, dim);
   // a fifth of those on a lattice: particles in one position have gradients near zero, and must not be thrown apart
   const LatticeSums lattice = lattice_sums(*kernel, dim, in_spacings);
@@ -61,6 +56,18 @@ FluidPool::FluidPool(Arena& a, const FluidDesc& from, int dim) : arena(a), desc(
   table = std::make_unique<BoundaryTable>(*kernel, dim, in_spacings);
   search = find_variant(neighbor_searches(), desc.neighbors, "neighbor search").make(a, Params());
   put_sentinel();
+}
+
+// Both as they are where they are one.
+void FluidPool::kernel_with_viscosity(const Kernel& named, const Kernel& viscous) {
+  kernel = &named, sweeps = &sweeps_of(named);
+  if (std::string_view(named.viscosity_name) == viscous.viscosity_name) return;
+  mixed_kernel = named, mixed_sweeps = *sweeps;
+  mixed_kernel.viscosity = viscous.viscosity, mixed_kernel.radial_viscosity = viscous.radial_viscosity;
+  mixed_kernel.viscosity_name = viscous.viscosity_name;
+  std::copy(viscous.norm_viscosity, viscous.norm_viscosity + 2, mixed_kernel.norm_viscosity);
+  mixed_sweeps.viscous = sweeps_of(viscous).viscous, mixed_sweeps.viscous_by = sweeps_of(viscous).viscous_by;
+  kernel = &mixed_kernel, sweeps = &mixed_sweeps;
 }
 
 // Cohesion by Kirkwood & Buff 1949, for particles spread evenly up to a sharp surface, n of them in a unit of space,

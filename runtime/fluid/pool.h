@@ -29,6 +29,7 @@ struct FluidPool {
   Real unit;               // weight of a particle in the density sum, m^D: the sum over a lattice at rest is 1
   Real value_factor;       // unit * norm / support^D: from sums of value(u) to density over density at rest
   Real slope_factor;       // unit * norm / support^(D+2): likewise from sums of slope(u) x to its gradient
+  Real viscous_factor;     // likewise with the norm of the kernel of viscosity
   Real own_value;          // what a particle adds to its own density
   Real least_squares;      // lower bound of the squared gradients of a density, 1/m^2
   Real viscous_scale;      // correction of viscosity, see pool.cpp
@@ -42,8 +43,10 @@ struct FluidPool {
   Real inward;             // pressure inside that balances it, Pa
   bool slips;              // no friction at the boundary
   Real clearance;          // least distance of a particle from the boundary, m
-  const Kernel* kernel;
+  const Kernel* kernel;    // of the table, or mixed_kernel; likewise its sums
   const Sweeps* sweeps;
+  Kernel mixed_kernel;  // that of densities with the viscosity of another one
+  Sweeps mixed_sweeps;
   std::unique_ptr<BoundaryTable> table;
   std::unique_ptr<NeighborSearch> search;
   std::unique_ptr<BoundaryImages> images;  // dfsph: of the boundary, in densities; null: the table is
@@ -166,6 +169,7 @@ struct FluidPool {
   void validate_order() const;                 // after sort_by_cell: each particle lies in its cell
   void validate_neighbors(Real radius) const;  // a sample of the rows
   void find_tension();
+  void kernel_with_viscosity(const Kernel& named, const Kernel& viscous);
   void put_sentinel();
 
   // Sorts the particles (and `start`) by the cells of find_neighbors with the same skin; particles in another order

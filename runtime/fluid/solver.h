@@ -76,6 +76,8 @@ Real capillary_time(const FluidPool& p, Real length);
 inline bool has_tension(const FluidPool& p) { return p.desc.surface_tension > 0 || p.desc.adhesion > 0; }
 inline bool tension_by_color(const FluidPool& p) { return p.colored && p.desc.surface_tension > 0; }
 void add_tension(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
+// For h seconds, where desc.vorticity is above 0.
+void confine_vorticity(FluidPool& p, Real h, StepContext& c);
 // Takes noise out of what weighs, for h seconds. Without, still water goes on moving with the energy of its settling,
 // as a thermal bath: pressure takes none.
 void damp_still_noise(FluidPool& p, Real h, StepContext& c);

@@ -280,9 +280,8 @@ void Viscous::solve() {
 // What makes the sum of Sweeps::viscous a Laplacian, times `by`.
 Real laplacian_factor(const FluidPool& p, Real by) {
   const int d = p.dimension;
-  if (p.kernel->radial_viscosity) return 2 * static_cast<Real>(d + 2) * by * p.slope_factor;
-  const Real r2 = p.support * p.support, norm = static_cast<Real>(p.kernel->norm_viscosity[d - 2]);
-  return by * p.unit * norm / (r2 * p.support * (d == 3 ? r2 : p.support));
+  if (p.kernel->radial_viscosity) return 2 * static_cast<Real>(d + 2) * by * p.viscous_factor;
+  return by * p.viscous_factor;
 }
 
 namespace {

@@ -5,6 +5,8 @@
 //  - the sums over neighbours equal plain sums.
 #pragma once
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "sph/sweep_table.h"
 
@@ -22,7 +24,8 @@ struct KernelShape {
 struct Kernel {
   const char* name = "";
   const char* summary = "";
-  KernelShape density, gradient, viscosity;                     // the sums below use them in these roles
+  KernelShape density, gradient, viscosity;  // the sums below use them in these roles
+  const char *density_name = "", *pressure_name = "", *viscosity_name = "";
   double norm_density[2], norm_gradient[2], norm_viscosity[2];  // factors the sums leave out, for 2D and 3D
   bool radial_viscosity = true;    // pair term along the offset, factor 2 (D + 2) slope; else Laplacian times velocity
   double support[2] = {0, 0};      // proposed, in particle spacings, for 2D and 3D
@@ -31,6 +34,15 @@ struct Kernel {
 };
 
 std::span<const Kernel> kernels();
+// Names of those that have sums; of those in the roles of densities and pressures, and in that of viscosity.
+std::string kernel_names();
+std::string pressure_names();
+std::string viscosity_names();
+// The name of the kernel with these in its roles; pressure that is not the slope of the density's kernel is known for
+// one pair only. SceneError otherwise.
+std::string kernel_by_roles(std::string_view density, std::string_view pressure);
+const Kernel& kernel_by_name(std::string_view name);            // SceneError
+const Kernel& kernel_by_viscosity(std::string_view viscosity);  // SceneError
 // The sums for this processor.
 const Sweeps& sweeps_of(const Kernel& kernel);
 

@@ -25,7 +25,7 @@ void set_norms(double (&norm)[2]) {
 template <class Shape>
 Kernel single_kernel(const char* name, const char* summary, double support_2d, double support_3d) {
   Kernel k;
-  k.name = name, k.summary = summary;
+  k.name = k.density_name = k.pressure_name = k.viscosity_name = name, k.summary = summary;
   k.density = k.gradient = k.viscosity = plain_shape<Shape>();
   set_norms<Shape>(k.norm_density), set_norms<Shape>(k.norm_gradient), set_norms<Shape>(k.norm_viscosity);
   k.support[0] = support_2d, k.support[1] = support_3d;

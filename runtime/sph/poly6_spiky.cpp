@@ -18,6 +18,7 @@ constexpr Sweeps kSweepsPoly6Spiky = SweepsOf<Poly6Shape, SpikyShape, PlainVisco
 Kernel sph_poly6_spiky() {
   Kernel k;
   k.name = "poly6_spiky", k.summary = "poly6 for density, spiky for pressure, viscosity for viscosity";
+  k.density_name = "poly6", k.pressure_name = "spiky", k.viscosity_name = "viscosity";
   k.density = plain_shape<Poly6Shape>(), k.gradient = plain_shape<SpikyShape>();
   k.viscosity.laplacian = [](int d, double u) { return ViscosityShape::kNorm[d - 2] * ViscosityShape::laplacian(u); };
   set_norms<Poly6Shape>(k.norm_density), set_norms<SpikyShape>(k.norm_gradient);

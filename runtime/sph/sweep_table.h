@@ -63,6 +63,8 @@ struct Sweeps {
   void (*push_near)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   // g x . (v_i - v_j), positive where they approach
   void (*growth)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
+  void (*curl)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);    // g (v_i - v_j) cross x
+  void (*climb)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);   // (w_j - w_i) g x
   void (*cohere)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // cohesion(u) x / u
   // values and push with the kernel of the colour field, 1 - u^2.
   void (*colors)(const SweepInput&, unsigned first, unsigned last, WideReal* out);

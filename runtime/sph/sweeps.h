@@ -199,6 +199,28 @@ struct SweepsOf {
     });
   }
 
+  // Sums of differences, so that a rigid motion has no curl but its own, and equal weights no slope, at a surface as
+  // well.
+  static void curl(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
+    const Lanes inv = all_lanes(s.inv_support);
+    sum_vectors(s, first, last, out4, [&](unsigned i, const Four& own, const unsigned* at, Sum3& sum) {
+      const Four v = spread(s.velocity + 4ul * i), vo = gather(s.velocity, at);
+      const Pair p = pair(own, gather(s.points, at), inv);
+      const Lanes g = Gradient::slope(p.u), x = v.x - vo.x, y = v.y - vo.y, z = v.z - vo.z;
+      sum.x += g * (y * p.z - z * p.y), sum.y += g * (z * p.x - x * p.z), sum.z += g * (x * p.y - y * p.x);
+    });
+  }
+
+  static void climb(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
+    const Lanes inv = all_lanes(s.inv_support);
+    sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
+      const Four other = gather(s.points, at);
+      const Pair p = pair(own, other, inv);
+      const Lanes f = Gradient::slope(p.u) * (other.w - own.w);
+      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
+    });
+  }
+
   static void growth(const SweepInput& s, unsigned first, unsigned last, WideReal* out) {
     const Lanes inv = all_lanes(s.inv_support);
     for (unsigned i = first; i < last; ++i) {
@@ -222,6 +244,8 @@ struct SweepsOf {
             push_from,
             push_near,
             growth,
+            curl,
+            climb,
             cohere,
             values_of<ColorShape>,
             push_of<ColorShape>,

@@ -25,7 +25,7 @@ double slope(int d, double u) {
 
 Kernel sph_viscosity() {
   Kernel k;
-  k.name = "viscosity", k.summary = "viscosity: Laplacian only";
+  k.name = k.density_name = k.pressure_name = k.viscosity_name = "viscosity", k.summary = "viscosity: Laplacian only";
   k.density.value = value, k.density.slope = slope;
   k.density.laplacian = [](int d, double u) { return ViscosityShape::kNorm[d - 2] * ViscosityShape::laplacian(u); };
   k.gradient = k.viscosity = k.density;

@@ -105,4 +105,19 @@ void check_blow(World& w, const std::string& solver, const char* mismatch, doubl
   CHECK(w.is_finite());
 }
 
+// A lone drop that slides along a sheet that is held, half thick above its middle: Coulomb's law slows it down.
+inline void check_slide(World& w, Real half) {
+  Fluid& fluid = w.need<Fluid>();
+  FluidDesc d;
+  d.friction = Real(0.3);
+  const ObjectId id = fluid.add_fluid(d);
+  fluid.fill(id, std::vector<Vec3>{Vec3(Real(-0.4), d.spacing / 2 + half, Real(0.013))}, Vec3(2, 0, 0));
+  std::vector<Vec3> v;
+  for (int k = 0; k < 18; ++k) w.step();
+  fluid.velocities(id, v);
+  const double still = 2 - 0.3 * 9.81 * 18 * static_cast<double>(w.desc().dt);
+  CAPTURE(v[0][0], still);
+  CHECK(static_cast<double>(v[0][0]) == Approx(still).margin(0.06));
+}
+
 }  // namespace feder

@@ -26,6 +26,14 @@ TEST_CASE("a blob hits a free sheet: momentum and angular momentum are kept", "[
   });
 }
 
+TEST_CASE("a drop that slides on a sheet is slowed by friction", "[couple][fluid][cloth]") {
+  World w(WorldDesc{}, mixed_catalog());
+  Cloth& cloth = w.need<Cloth>();
+  const ObjectId id = cloth.add_cloth(square(11, 2, true));
+  for (std::size_t i = 0; i < cloth.vertex_count(id); ++i) cloth.pin(id, i);
+  check_slide(w, Real(0.005));
+}
+
 TEST_CASE("no particle passes a pinned sheet", "[couple][fluid][cloth]") {
   const double speed = GENERATE(1.0, 20.0, 80.0);
   const std::string solver = GENERATE(std::string("pbf"), std::string("wcsph"), std::string("dfsph"));

@@ -22,6 +22,14 @@ TEST_CASE("a blob hits a free net: momentum and angular momentum are kept", "[co
   });
 }
 
+TEST_CASE("a drop that slides on the faces of a net is slowed by friction", "[couple][fluid][springs]") {
+  World w(WorldDesc{}, mixed_catalog());
+  Springs& springs = w.need<Springs>();
+  const ObjectId net = springs.add_net(mat(11, 2, 10, 4000));
+  for (std::size_t i = 0; i < springs.point_count(net); ++i) springs.pin(net, i);
+  check_slide(w, 0);
+}
+
 namespace {
 
 // A mat of 1 m whose rim is held.

@@ -215,10 +215,14 @@ TEST_CASE("mistakes name what was expected, and leave the world as it was", "[lu
         std::string::npos);
   CHECK(error_of("world:fluid{ wall_slip = 'some' }").find("world:fluid.wall_slip: ") != std::string::npos);
   CHECK(error_of("world:fluid{ wall_slip = 'some' }").find("none, free") != std::string::npos);
-  for (const char* wrong : {"surface_tension = -1", "surface_tension = 1, contact_angle = 200", "contact_angle = 60",
-                            "surface_tension = 1, contact_angle = 60, adhesion = 1", "adhesion = -1",
-                            "surface_model = 'soap'", "surface_model = 'color_field', solver = 'wcsph'"})
+  for (const char* wrong :
+       {"surface_tension = -1", "surface_tension = 1, contact_angle = 200", "contact_angle = 60",
+        "surface_tension = 1, contact_angle = 60, adhesion = 1", "adhesion = -1", "surface_model = 'soap'",
+        "friction = -1", "vorticity = -1", "kernels = 'cubic'", "kernel = 'cubic', kernels = { viscosity = 'cubic' }",
+        "kernels = { density = 'cubic', pressure = 'wendland' }", "surface_model = 'color_field', solver = 'wcsph'"})
     CHECK(error_of(std::string("world:fluid{ ") + wrong + " }").find("expected") != std::string::npos);
+  for (const char* wrong : {"viscosity = 'gauss'", "force = 'cubic'"})
+    CHECK(error_of(std::string("world:fluid{ kernels = { ") + wrong + " } }").find("known: ") != std::string::npos);
   CHECK(output_of("print(world:fluid{ wall_slip = 'free', viscosity = 1 }:kind())") == "fluid\n");
   CHECK(error_of(kWater + "\nwater:fill{ box = { {0, 0, 0}, {1, 0.05, 1} } }") ==
         "test.lua:2: fluid:fill: fluid: fill: the shape is 0.05 m wide along y, narrower than the spacing of 0.1 m: "
@@ -231,6 +235,26 @@ TEST_CASE("mistakes name what was expected, and leave the world as it was", "[lu
         std::string::npos);
   CHECK(error_of(kWater + "water:emitter{ rate = 1e9 }").find("particles per second") != std::string::npos);
   CHECK(output_of("pcall(world.fluid, world, { spacing = -1 }) print(world:report().fluids)") == "0\n");
+}
+
+TEST_CASE("kernels may be named by force", "[lua][fluid]") {
+  CHECK(output_of(R"(
+    local function hash(options)
+      local world = feder.world {}
+      options.spacing, options.viscosity = 0.1, 5
+      local fluid = world:fluid(options)
+      fluid:fill { box = { { 0, 0, 0 }, { 0.5, 0.5, 0.5 } } }
+      fluid:set_velocities(function(x, y, z) return y, 0, 0 end)
+      for k = 1, 5 do world:step() end
+      return world:hash()
+    end
+    local cubic, wendland = hash { kernel = "cubic" }, hash {}
+    print(cubic == hash { kernels = { density = "cubic" } }, wendland == hash { kernels = { viscosity = "wendland" } })
+    print(hash { kernel = "poly6_spiky" } ==
+      hash { kernels = { density = "poly6", pressure = "spiky", viscosity = "viscosity" } })
+    local mixed = hash { kernels = { viscosity = "cubic" } }
+    print(mixed == wendland, mixed == cubic)
+  )") == "true\ttrue\ntrue\nfalse\tfalse\n");
 }
 
 TEST_CASE("fluids that may touch agree on how they are solved, and on the tension between them", "[lua][fluid]") {

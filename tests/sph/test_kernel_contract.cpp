@@ -172,6 +172,8 @@ TEST_CASE("sums over neighbours equal plain sums, and the wide ones bit for bit"
     s.cohere(in, 0, n, four.data()), out.push_back(four);
     s.push_from(in, 0, n, four.data()), out.push_back(four);
     s.growth(in, 0, n, one.data()), out.push_back(one);
+    s.curl(in, 0, n, four.data()), out.push_back(four);
+    s.climb(in, 0, n, four.data()), out.push_back(four);
     s.colors(in, 0, n, one.data()), out.push_back(one);
     s.draw(in, 0, n, four.data()), out.push_back(four);
     s.colors_by(in, 0, n, one.data()), out.push_back(one);

@@ -42,8 +42,11 @@ struct FluidDesc {
   Real surface_tension = 0;   // N/m
   std::string surface_model;  // "color_field" (dfsph), "cohesion"; empty: the first that the solver bears
   Real adhesion = 0;          // work of adhesion to the boundary, N/m: tension times 1 + cos(contact angle); 0: none
+  Real friction = 0;   // of particles on cloth and faces of nets, a coefficient of Coulomb; solids: see wall_slip
+  Real vorticity = 0;  // confinement, 1/s: adds energy and turns no more than the momentum allows; for pictures
   std::string solver = default_fluid_solver();
-  std::string kernel;  // empty: wendland for dfsph, cubic for others
+  std::string kernel;            // empty: wendland for dfsph, cubic for others
+  std::string viscosity_kernel;  // empty: that of `kernel`
   std::string neighbors = default_fluid_neighbors();
   Real support = 0;                     // of the kernel, in spacings; 0: what the kernel proposes
   Real stiffness = 0;                   // bulk modulus, Pa; 0: as stiff as the solver can make it
@@ -63,7 +66,8 @@ struct FluidDesc {
   template <class D, class F>
   static void each_field(D& d, F&& f) {
     f(d.name), f(d.tags), f(d.spacing), f(d.density), f(d.viscosity), f(d.wall_slip), f(d.surface_tension),
-        f(d.surface_model), f(d.adhesion), f(d.solver), f(d.kernel);
+        f(d.surface_model), f(d.adhesion), f(d.friction), f(d.vorticity), f(d.solver), f(d.kernel),
+        f(d.viscosity_kernel);
     f(d.neighbors), f(d.support), f(d.stiffness), f(d.iterations), f(d.tolerance), f(d.negative_pressure),
         f(d.compression), f(d.artificial_viscosity), f(d.integrator);
     f(d.max_substeps), f(d.max_particles), f(d.gravity_scale), f(d.kill_height), f(d.group), f(d.mask);
