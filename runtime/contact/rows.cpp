@@ -191,10 +191,11 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
     const Real parting = dot(r.normal, u),
                along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
     if (!(parting > 0) || !(along > 0)) continue;
-    // no more than the row has given
-    const Real impulse = std::min(parting / along, r.impulse);
+    // no more than the row has given; to a particle of a fluid in all solver substeps, or it would be held by the sheet
+    const bool of_fluid = r.solver_index != 0 && r.contact_state == kNone;
+    const Real impulse = std::min(parting / along, of_fluid ? r.impulse - r.returned : r.impulse);
+    if (!(impulse > 0)) continue;
     r.returned += impulse;
-    FEDER_ASSERT(!(impulse < 0 || impulse > r.impulse));
     Real tilt[4] = {0, 0, 0, 0};
     if (near) {
       const Vec3 x[4] = {current_position(r.vertex[0]), current_position(r.vertex[1]), current_position(r.vertex[2]),

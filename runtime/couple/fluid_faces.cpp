@@ -14,6 +14,7 @@ namespace {
 constexpr Real kSlack = Real(0.1);      // of the spacing: margin within which contacts are listed
 constexpr Real kClearance = Real(0.3);  // of the distance at rest, that every particle keeps
 constexpr Real kSameSide = Real(0.5);   // least cosine between the normals of a contact at the start and at the end
+constexpr Real kClear = Real(0.75);     // of the distance at rest, from which on it is clear where an edge pushes to
 constexpr Real kOffEdge = Real(0.02);   // least weight of each corner where a particle stays on a face
 
 }  // namespace
@@ -171,11 +172,13 @@ void FluidFaces::aim(FaceContact& k, const Vec3& from, const Vec3& to) const {
   Real weight[3];
   nearest_weights(to, corner(0), corner(1), corner(2), q, weight);
   const Vec3 apart = to - q, normal = normalized_or(apart, k.normal);
-  if (dot(normal, k.normal) < kSameSide) return;
+  const bool on_edge = *std::min_element(weight, weight + 3) < kOffEdge;
+  if (dot(normal, k.normal) < kSameSide || (on_edge && length(apart) < kClear * k.rest)) return;
   Vec3 then = Vec3::Zero();
   for (int i = 0; i < 3; ++i) then += weight[i] * start[k.vertex[i]];
   std::copy(weight, weight + 3, k.weight);
-  k.normal = normal, k.distance = dot(normal, Vec3(from - then));
+  // no overlap that there was not: the rows would take it out, and hold the particle by it
+  k.normal = normal, k.distance = std::max(dot(normal, Vec3(from - then)), std::min(k.distance, k.rest));
 }
 
 bool FluidFaces::near(Fluid& fluid, const FaceSurface& s, Real margin) const {
