@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::uint32_t kWater = 0x3b8dbb, kDroplet = 0xe6f0f5;
 constexpr float kClearWater = 0.9f, kClearColored = 0.5f;  // transparency of liquids that state none
-constexpr float kDropletSize = 0.3f;                       // spacings
+constexpr float kDropletSize = 0.22f;                      // spacings
 constexpr Real kCalm = Real(0.2);        // of the speed of waves as deep as the liquid: below, nothing foams
 constexpr std::size_t kSmooth = 15'000;  // particles up to which cells are finer, and the skin is smoothed more
 
@@ -88,7 +88,7 @@ class FluidSource final : public FrameSource {
     Bounds b;
     for (const Vec3& x : shape_.bulk()) b.include(to_float3(x), 0.5f * static_cast<float>(spacing));
     add_bounds(f, b);
-    PointGroup drops = begin_points(f, id, mixed(rgb(kDroplet), l.color, l.transparency < kClearWater ? 0.7f : 0.1f));
+    PointGroup drops = begin_points(f, id, mixed(rgb(kDroplet), l.color, l.transparency < kClearWater ? 0.7f : 0.4f));
     drops.casts_shadow = false;
     put_points(f, shape_.spray(), kDropletSize * static_cast<float>(spacing), 0);
     end_points(f, drops);

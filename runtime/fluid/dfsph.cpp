@@ -118,7 +118,7 @@ Real Dfsph::wanted_steps(FluidPool& p, const StepContext& c) const {
   p.pace = column.pace;
   p.head = column.head;
   const Real load = p.head * c.h * c.h / (d * d);
-  const Real ripple = tension_by_color(p) ? kCapillary * capillary_time(p, d) : kInfinity;
+  const Real ripple = kCapillary * capillary_time(p, d);
   return std::ceil(std::max({c.h * speed / travel, std::sqrt(load / kCarriedLoad), c.h / ripple, Real(1)}));
 }
 

@@ -40,6 +40,7 @@ constexpr Real kMaxExcess =
     Real(0.5);  // of density by particles, that one iteration corrects: bounds their displacement
 constexpr Real kMaxBoundaryExcess = 1;  // likewise of the boundary
 constexpr Real kMaxTravel = 1;          // CFL number: spacings that particles or bodies move in a solver substep
+constexpr Real kRippled = Real(0.5);    // of capillary_time, longest substep: with 1 drops burst at walls that attract
 constexpr Real kMaxStrain =
     Real(0.03);                         // compression at the ground of a column at rest that a solver substep may leave
 constexpr Real kMaxLoad = Real(0.08);   // Q over iterations: half of what is stable
@@ -110,7 +111,7 @@ class Pbf final : public FluidSolver {
  private:
   void choose_steps(StepContext& c);
   struct Wanted {
-    Real travel = 1, load = 1;  // solver substeps by the CFL number, and by the load of the column
+    Real travel = 1, load = 1;  // solver substeps by the CFL number and by ripples, and by the load of the column
   };
   Wanted wanted_steps(FluidPool& p, const StepContext& c) const;
   void warn_budget(FluidPool& p, Real wanted, StepContext& c) const;
@@ -131,7 +132,8 @@ Pbf::Wanted Pbf::wanted_steps(FluidPool& p, const StepContext& c) const {
   const Real d = p.desc.spacing;
   const ColumnScales column = column_scales(p, c);
   Wanted wanted;
-  wanted.travel = c.h * speed_near(p, column, *boundary, kMaxTravel * d, c) / (kMaxTravel * d);
+  wanted.travel = std::max(c.h * speed_near(p, column, *boundary, kMaxTravel * d, c) / (kMaxTravel * d),
+                           c.h / (kRippled * capillary_time(p, d)));
   if (!(column.head > 0)) return wanted;
   const Real load = c.h * c.h * column.head / (d * d), iterations = static_cast<Real>(p.desc.iterations);
   const Real strain = 5 * kLattice * p.least_squares * d * d * load / (iterations * iterations);

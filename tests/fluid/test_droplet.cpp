@@ -8,6 +8,7 @@
 // 0.96.
 #include <cmath>
 
+#include "fluid/any_solver.h"
 #include "fluid/tank.h"
 #include "support/catch.h"
 
@@ -160,4 +161,25 @@ TEST_CASE("a drop on a wall spreads or gathers as its work of adhesion says", "[
   const double measured = segment_angle(static_cast<double>(half.size()) * spacing * spacing, height);
   CAPTURE(angle, measured);
   CHECK(std::abs(measured - angle) < 20);  // drops stick, see tension.cpp
+}
+
+TEST_CASE("half a drop stays whole on a wall that attracts it", "[fluid]") {
+  const std::string solver = any_fluid_solver();
+  const double tension = GENERATE(10.0, 1000.0), spacing = 0.025, radius = 0.5;
+  World w(weightless(fluid_world(2)), fluid_catalog());
+  add_plane(w, Vec3(0, 1, 0), 0);
+  Fluid& f = w.need<Fluid>();
+  FluidDesc d;
+  d.solver = solver, d.spacing = static_cast<Real>(spacing), d.viscosity = 1, d.max_substeps = 2000;
+  d.surface_tension = d.adhesion = static_cast<Real>(tension);
+  const ObjectId id = f.add_fluid(d);
+  std::vector<Vec3> half;
+  for (const Vec3& x : drop(2, spacing * kRadius / radius, 1))
+    if (x[1] > 0) half.push_back(static_cast<Real>(radius / kRadius) * x);
+  f.fill(id, half, Vec3::Zero());
+  for (int k = 0; k < static_cast<int>(30 * kShare) + 1; ++k) w.step();
+  Real far = 0;
+  for (const Vec3& x : places(w, id)) far = std::max(far, length(x));
+  CAPTURE(solver, tension, far);
+  CHECK(far < Real(1.2 * radius));
 }
