@@ -43,7 +43,11 @@ void CellGrid::choose(std::span<const Real> p, Real cell, JobPool& jobs) {
   inv_cell_ = 1 / cell;
   const double most = 8.0 * static_cast<double>(count) + 4096;
   double want[3];
-  for (int k = 0; k < 3; ++k) want[k] = std::floor((hi[k] - lo[k]) / static_cast<double>(cell)) + 1;
+  for (int k = 0; k < 3; ++k) {
+    want[k] = std::floor((hi[k] - lo[k]) / static_cast<double>(cell)) + 1;
+    // points that went non-finite within a step are taken out at its end
+    if (!std::isfinite(want[k])) want[k] = want[k] > 0 ? 2 * most : 1;
+  }
   while (want[0] * want[1] * want[2] > most) {
     int longest = 0;
     for (int k = 1; k < 3; ++k)

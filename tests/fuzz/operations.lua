@@ -75,7 +75,11 @@ local function new_cloth()
 end
 local function new_fluid()
   if #o.fluid > 1 then return drop("fluid") end
-  return keep("fluid", world:fluid { spacing = math.max(0.06, range(0.08, 0.14)), solver = chance(0.4) and "wcsph" or nil, max_particles = 800,
+  local spacing = range(0.08, 0.14)
+  local function digit(n) return math.floor(spacing * 10 ^ n) % 10 end  -- no draw more: seeds keep their course
+  return keep("fluid", world:fluid { spacing = spacing, friction = digit(4) < 3 and digit(5) / 4 or nil,
+    vorticity = digit(5) < 2 and 2 * digit(4) or nil, kernels = digit(6) < 2 and { viscosity = "cubic" } or nil,
+    adhesion = digit(7) < 4 and digit(6) / 2 or nil, solver = chance(0.4) and "wcsph" or nil, max_particles = 800,
     viscosity = chance(0.5) and range(0, 10) or nil, surface_tension = chance(0.3) and range(0, 5) or nil,
     max_substeps = chance(0.3) and whole(1, 30) or nil })
 end

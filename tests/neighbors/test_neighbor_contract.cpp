@@ -1,6 +1,7 @@
 // Every registered neighbour search against brute force. A new variant is enrolled by its line alone.
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "base/jobs.h"
@@ -14,7 +15,7 @@ using namespace feder;
 
 namespace {
 
-enum class Cloud { random, lattice, flat, strays, crowd, in_order };
+enum class Cloud { random, lattice, flat, strays, crowd, in_order, infinite };
 
 std::vector<Real> make_points(Cloud cloud, int count) {
   Rng rng(static_cast<std::uint64_t>(count) + 3);
@@ -30,6 +31,8 @@ std::vector<Real> make_points(Cloud cloud, int count) {
       for (Real& c : x) c *= i % 20 == 0 ? Real(1e6) : Real(300);
     if (cloud == Cloud::crowd && i % 3 != 0)
       for (Real& c : x) c *= Real(0.01);
+    if (cloud == Cloud::infinite && i % 10 == 0)
+      for (Real& c : x) c = i % 20 == 0 ? (c > 0 ? kInfinity : -kInfinity) : std::numeric_limits<Real>::quiet_NaN();
     p.insert(p.end(), {x[0], x[1], x[2], rng.uniform(-9, 9)});
   }
   if (cloud == Cloud::in_order && count > 0) {  // as the grid sorts them: nothing has to be moved
@@ -65,7 +68,8 @@ std::vector<std::vector<std::uint32_t>> rows_of(const NeighborLists& lists, std:
 
 TEST_CASE("neighbour searches find what brute force finds", "[neighbors][contract][threads]") {
   const int row = GENERATE(range(0, static_cast<int>(neighbor_searches().size())));
-  const auto cloud = GENERATE(Cloud::random, Cloud::lattice, Cloud::flat, Cloud::strays, Cloud::in_order);
+  const auto cloud =
+      GENERATE(Cloud::random, Cloud::lattice, Cloud::flat, Cloud::strays, Cloud::in_order, Cloud::infinite);
   const auto& variant = neighbor_searches()[static_cast<std::size_t>(row)];
   CAPTURE(variant.name, static_cast<int>(cloud));
   Arena arena("test");
