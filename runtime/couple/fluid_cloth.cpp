@@ -1,13 +1,13 @@
 // Per substep: sheets screen the particles near them (fluid_faces.h); the fluid moves; particles that lie on a sheet or
 // would pass it in this substep become solver bodies, so that the surface substeps solve their contacts together with
 // the cloth's stretch and with bodies: the weight of a pool reaches the pins within the substep. Then the particles are
-// read back, and projected so that none passes a triangle. Friction (Coulomb, of the
-// fluid's coefficient) follows, contact by contact, on the particle and on the point of the sheet below it: half a
-// spacing apart, which is a moment that nobody feels. Contacts have no wetting. Kept between
-// calls: impulses on each cloth, for waking. Weak spot: a pool of N layers presses its first layer into the sheet by
-// about N g h^2 in each substep and is pushed out again; a cloth far lighter than a single particle follows single
-// drops in jerks, and wcsph, explicit, gains energy on it (tests/couple/test_fluid_cloth_leaks.cpp: 37 kg of water on
-// 0.2 kg/m2 get some 12 W and shake at 1 m/s; dfsph and pbf do not).
+// read back, and projected so that none passes a triangle. Friction (Coulomb, of the fluid's coefficient) follows,
+// contact by contact, on the particle and on the point of the sheet below it: half a spacing apart, which is a moment
+// that nobody feels. Contacts have no wetting. Kept between calls: impulses on each cloth, for waking. Weak spot: a
+// pool of N layers presses its first layer into the sheet by about N g h^2 in each substep and is pushed out again; a
+// cloth far lighter than a single particle follows single drops in jerks, and wcsph, explicit, gains energy on it
+// (tests/couple/test_fluid_cloth_leaks.cpp: 37 kg of water on 0.2 kg/m2 get some 12 W and shake at 1 m/s; dfsph and pbf
+// do not).
 #include "couple/fluid_cloth.h"
 
 #include <algorithm>

@@ -70,8 +70,8 @@ bool needs_implicit_viscosity(const FluidPool& p, Real h);
 void add_viscosity(FluidPool& p, Boundary& boundary, Real h, StepContext& c);
 // What makes the sum of Sweeps::viscous a Laplacian, times `by`.
 Real laplacian_factor(const FluidPool& p, Real by);
-// In which a ripple of that wave length swings, over 2 pi, s (Brackbill, Kothe & Zemach 1992); infinite without
-// tension.
+// In which a ripple of that wave length swings, over 2 pi, s (Brackbill, Kothe & Zemach 1992), by tension or adhesion,
+// whichever is more; infinite without.
 Real capillary_time(const FluidPool& p, Real length);
 inline bool has_tension(const FluidPool& p) { return p.desc.surface_tension > 0 || p.desc.adhesion > 0; }
 inline bool tension_by_color(const FluidPool& p) { return p.colored && p.desc.surface_tension > 0; }

@@ -177,7 +177,7 @@ class Wetting {
 
 Real capillary_time(const FluidPool& p, Real length) {
   constexpr Real kTurn = Real(2 * 3.14159265358979323846);
-  const Real sigma = p.desc.surface_tension;
+  const Real sigma = std::max(p.desc.surface_tension, p.desc.adhesion);
   return sigma > 0 ? std::sqrt(p.lightest * p.desc.density * length * length * length / (kTurn * sigma)) : kInfinity;
 }
 
