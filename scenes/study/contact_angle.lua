@@ -6,7 +6,7 @@ local feder = require "feder"
 local fluid = require "feder.fluid"
 local problem = require "feder.problem"
 
-local p = problem.fluid(40, 3, { "dfsph", "wcsph" })  -- with steps as long as these pbf throws the drop off the wall
+local p = problem.fluid(40, 3, { "dfsph", "wcsph" })  -- pbf is up to 34 degrees off
 local angle = feder.param("angle", 120, { min = 45, max = 135, help = "in the liquid, degrees" })
 
 local radius, tension = 0.5, 100  -- m, N/m
