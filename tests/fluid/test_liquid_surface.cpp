@@ -2,6 +2,7 @@
 // left out.
 #include <cmath>
 
+#include "base/rng.h"
 #include "fluid/liquid_surface.h"
 #include "fluid/tank.h"
 #include "support/catch.h"

@@ -2,6 +2,7 @@
 // above it; nothing of the momentum is lost between them; and they cost nothing where they do not meet.
 #include <cmath>
 
+#include "base/rng.h"
 #include "fluid/any_solver.h"
 #include "fluid/tank.h"
 
