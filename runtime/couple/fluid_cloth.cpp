@@ -276,18 +276,13 @@ void FluidCloth::project_out(const FaceContact& k, const FaceHit& hit, StepConte
   FluidPool& p = fluid_.pool_at(k.pool);
   ++projected_;
   p.x[k.particle].set(hit.position);
-  Vec3 u = p.v[k.particle].vec();
-  Real response = 1 / p.mass;
-  for (int i = 0; i < 3; ++i) {
-    u -= hit.weight[i] * surfaces_.velocity[k.vertex[i]].vec();
-    response += hit.weight[i] * hit.weight[i] * surfaces_.delta_position[k.vertex[i]].w;
-  }
+  Real response;
+  const Vec3 u = slip(k, hit.weight, response);
   const Real closing = -dot(hit.normal, u);
   if (!(closing > 0)) return;
   FEDER_ASSERT(!(response < 0) && is_direction(hit.normal));
   const Vec3 impulse = (closing / response) * hit.normal;
-  p.v[k.particle].set(p.v[k.particle].vec() + impulse / p.mass);
-  for (int i = 0; i < 3; ++i) cloth_.push(k.vertex[i], -hit.weight[i] * impulse);
+  exchange(k, hit.weight, impulse);
   rub(k, hit.weight, hit.normal, length(impulse));
   record(k, length(impulse), closing, hit.normal);
   Pressed& to = pressed_[faces_.surfaces[k.surface].index];
@@ -299,14 +294,26 @@ void FluidCloth::project_out(const FaceContact& k, const FaceHit& hit, StepConte
 void FluidCloth::rub(const FaceContact& k, const Real (&weight)[3], const Vec3& normal, Real pressing) {
   FluidPool& p = fluid_.pool_at(k.pool);
   if (!(pressing > 0) || !(p.desc.friction > 0)) return;
-  Vec3 slip = p.v[k.particle].vec();
-  Real response = 1 / p.mass;
+  Real response;
+  const Vec3 u = slip(k, weight, response);
+  exchange(k, weight, friction_impulse(u - dot(u, normal) * normal, response, p.desc.friction * pressing));
+}
+
+// Velocity of a particle against the point of the face with these weights, and the change of it by an impulse, 1/kg.
+Vec3 FluidCloth::slip(const FaceContact& k, const Real (&weight)[3], Real& response) const {
+  const FluidPool& p = fluid_.pool_at(k.pool);
+  Vec3 u = p.v[k.particle].vec();
+  response = 1 / p.mass;
   for (int i = 0; i < 3; ++i) {
-    slip -= weight[i] * surfaces_.velocity[k.vertex[i]].vec();
+    u -= weight[i] * surfaces_.velocity[k.vertex[i]].vec();
     response += weight[i] * weight[i] * surfaces_.delta_position[k.vertex[i]].w;
   }
-  slip -= dot(slip, normal) * normal;
-  const Vec3 impulse = friction_impulse(slip, response, p.desc.friction * pressing);
+  return u;
+}
+
+// An impulse on the particle, and its opposite on the face.
+void FluidCloth::exchange(const FaceContact& k, const Real (&weight)[3], const Vec3& impulse) {
+  FluidPool& p = fluid_.pool_at(k.pool);
   p.v[k.particle].set(p.v[k.particle].vec() + impulse / p.mass);
   for (int i = 0; i < 3; ++i) cloth_.push(k.vertex[i], -weight[i] * impulse);
 }

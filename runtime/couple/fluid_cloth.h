@@ -51,6 +51,8 @@ class FluidCloth final : public System {
   void list_surfaces();
   void find_impact(std::size_t n, StepContext& c);
   void drop_rows();
+  Vec3 slip(const FaceContact& k, const Real (&weight)[3], Real& response) const;
+  void exchange(const FaceContact& k, const Real (&weight)[3], const Vec3& impulse);
   void rub(const FaceContact& k, const Real (&weight)[3], const Vec3& normal, Real pressing);
   void project_out(const FaceContact& k, const FaceHit& hit, StepContext& c);
   ObjectId fluid_of(std::uint32_t pool) const;

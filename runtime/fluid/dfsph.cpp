@@ -283,18 +283,13 @@ void Dfsph::keep_apart(FluidPool& p, Real share, Real most, StepContext& c) cons
   SweepInput in = p.sweep_input();
   const double at_rest = p.kernel->density.value(p.dimension, static_cast<double>(p.desc.spacing / p.support));
   in.near = static_cast<Real>(p.kernel->norm_density[p.dimension - 2] / at_rest);
-  const auto weigh = [&](Real by) {
-    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = by * std::max(-p.lambda[i], std::min(p.lambda[i], most));
-    });
-  };
-  weigh(share);
+  p.weigh(*c.jobs, [&](std::uint32_t i) { return share * std::max(-p.lambda[i], std::min(p.lambda[i], most)); });
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->push_near(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i)
       p.v[i].set(p.v[i].vec() - p.slope_factor / p.mass_of(i) * p.move[i].vec());
   });
-  weigh(0);
+  p.clear_weights(*c.jobs);
 }
 
 // ... and particles are shifted to where there are fewer (Lind, Xu, Stansby & Rogers 2012).

@@ -363,9 +363,7 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
 
 void Pbf::apply_viscosity(StepContext& c) {
   each(c, [&](FluidPool& p) {
-    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 0;
-    });
+    p.clear_weights(*c.jobs);
     if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h_, c);
     if (has_tension(p)) add_tension(p, *boundary, h_, c);
     if (p.desc.vorticity > 0) confine_vorticity(p, h_, c);

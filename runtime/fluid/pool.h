@@ -14,6 +14,9 @@
 
 namespace feder {
 
+// Particles per job, with sums over neighbours and without.
+inline constexpr JobGrain kFluidGrain{512, 30'000}, kParticleGrain{2048, 8'000};
+
 struct FluidPool {
   FluidPool(Arena& a, const FluidDesc& desc, int dimension);
 
@@ -187,6 +190,16 @@ struct FluidPool {
   }
   // Density over density at rest of all particles where they are; lists must be fresh.
   void find_ratios(const Boundary& boundary, JobPool& jobs);
+  // Sets the weights of the positions to weight(i), for the next sweep.
+  template <class F>
+  void weigh(JobPool& jobs, F&& weight) {
+    jobs.for_blocks(count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      for (std::uint32_t i = first; i < last; ++i) x[i].w = weight(i);
+    });
+  }
+  void clear_weights(JobPool& jobs) {
+    weigh(jobs, [](std::uint32_t) { return Real(0); });
+  }
   // Acceleration of its column in this substep, m/s^2.
   Vec3 weight(const Vec3& gravity) const { return desc.gravity_scale * gravity + pressing; }
   Real max_speed() const;
@@ -216,8 +229,5 @@ struct FluidPool {
 inline constexpr Real kMaxDensityRatio = 10000;
 inline constexpr Real kSameSpacing =
     Real(1.05);  // ratio up to which two spacings are the same: fluids are solved as one
-
-// Particles per job, with sums over neighbours and without.
-inline constexpr JobGrain kFluidGrain{512, 30'000}, kParticleGrain{2048, 8'000};
 
 }  // namespace feder

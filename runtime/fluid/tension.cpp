@@ -30,14 +30,6 @@
 namespace feder {
 namespace {
 
-// Sets the weights of the positions, by particle.
-template <class F>
-void weigh(FluidPool& p, StepContext& c, F&& weight) {
-  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = weight(i);
-  });
-}
-
 // f(first, last) for the particles of fluid k that lie side by side.
 template <class F>
 void each_run(const FluidPool& p, std::uint32_t k, StepContext& c, F&& f) {
@@ -55,13 +47,13 @@ void cohere_mixture(FluidPool& p, Real h, StepContext& c) {
   for (std::uint32_t k = 0; k < p.phases.size(); ++k) {
     const FluidPool& own = *p.phases[k];
     const Real share = h / (own.mass * p.support);
-    weigh(p, c, [&](std::uint32_t i) { return share * p.pull_between(k, p.phase[i]); });
+    p.weigh(*c.jobs, [&](std::uint32_t i) { return share * p.pull_between(k, p.phase[i]); });
     each_run(p, k, c, [&](std::uint32_t first, std::uint32_t last) {
       p.sweeps->cohere_by(in, first, last, &p.move[0].x);
       for (std::uint32_t i = first; i < last; ++i) p.v[i].set(p.v[i].vec() - p.move[i].vec());
     });
   }
-  weigh(p, c, [](std::uint32_t) { return Real(0); });
+  p.clear_weights(*c.jobs);
 }
 
 void cohere(FluidPool& p, Real h, StepContext& c) {
@@ -94,7 +86,7 @@ void find_lacks(FluidPool& p, StepContext& c) {
     for (std::uint32_t i = first; i < last; ++i)
       p.next_weight[i] = color_slope(p.color_energy, lack_of(p, i, p.sum[i]));
   });
-  weigh(p, c, [&](std::uint32_t i) { return p.next_weight[i]; });
+  p.weigh(*c.jobs, [&](std::uint32_t i) { return p.next_weight[i]; });
 }
 
 void draw_in(FluidPool& p, Real h, StepContext& c) {
@@ -112,7 +104,7 @@ void draw_in_mixture(FluidPool& p, Real h, StepContext& c) {
   const auto phases = static_cast<std::uint32_t>(p.phases.size());
   const auto share = [&](std::uint32_t k, std::uint32_t i) { return p.pull_between(k, p.phase[i]); };
   for (std::uint32_t k = 0; k < phases; ++k) {
-    weigh(p, c, [&](std::uint32_t i) { return share(k, i); });
+    p.weigh(*c.jobs, [&](std::uint32_t i) { return share(k, i); });
     each_run(p, k, c, [&](std::uint32_t first, std::uint32_t last) {
       p.sweeps->colors_by(in, first, last, p.sum.data());
       for (std::uint32_t i = first; i < last; ++i)
@@ -122,7 +114,7 @@ void draw_in_mixture(FluidPool& p, Real h, StepContext& c) {
   const Real by = h * p.color_unit * p.volume / (p.support * p.support);
   for (std::uint32_t k = 0; k < phases; ++k) {
     const auto draw = [&](auto&& weight, auto&& own) {
-      weigh(p, c, weight);
+      p.weigh(*c.jobs, weight);
       each_run(p, k, c, [&](std::uint32_t first, std::uint32_t last) {
         p.sweeps->draw_by(in, first, last, &p.move[0].x);
         for (std::uint32_t i = first; i < last; ++i)
@@ -132,7 +124,7 @@ void draw_in_mixture(FluidPool& p, Real h, StepContext& c) {
     draw([&](std::uint32_t i) { return share(k, i) * p.next_weight[i]; }, [](std::uint32_t) { return Real(1); });
     draw([&](std::uint32_t i) { return share(k, i); }, [&](std::uint32_t i) { return p.next_weight[i]; });
   }
-  weigh(p, c, [&](std::uint32_t i) { return p.next_weight[i]; });
+  p.weigh(*c.jobs, [&](std::uint32_t i) { return p.next_weight[i]; });
 }
 
 // Of the boundary. Where the field counts it as full the fluid wets it with 90 degrees, that is sigma, else not at all.
@@ -192,7 +184,7 @@ void add_tension(FluidPool& p, Boundary& boundary, Real h, StepContext& c) {
     p.is_mixture() ? cohere_mixture(p, h, c) : cohere(p, h, c);
   }
   if (p.desc.adhesion > 0) Wetting(p, boundary, h).apply(c);
-  if (by_color) weigh(p, c, [](std::uint32_t) { return Real(0); });
+  if (by_color) p.clear_weights(*c.jobs);
 }
 
 }  // namespace feder

@@ -45,10 +45,11 @@ class Viscous {
       : p_(p), boundary_(boundary), c_(c), mixture_(p.is_mixture()), r2_(p.support * p.support), h_(h),
         share_(share_in(p)), factor_(laplacian_factor(p, share_)) {
     FEDER_ASSERT(h > 0 && p.desc.viscosity > 0);
-    if (mixture_) weigh([&](std::uint32_t i) { return p_.fluid_of(i).desc.viscosity; });
+    // between fluids of a mixture the harmonic mean of their viscosities acts (Patankar 1980)
+    if (mixture_) p_.weigh(*c_.jobs, [&](std::uint32_t i) { return p_.fluid_of(i).desc.viscosity; });
   }
   ~Viscous() {
-    if (mixture_) weigh([](std::uint32_t) { return Real(0); });
+    if (mixture_) p_.clear_weights(*c_.jobs);
   }
   Viscous(const Viscous&) = delete;
   Viscous& operator=(const Viscous&) = delete;
@@ -79,10 +80,6 @@ class Viscous {
         .sum;
   }
   // Weights of the positions; between fluids of a mixture the harmonic mean of their viscosities acts (Patankar 1980).
-  template <class F>
-  void weigh(F&& weight) {
-    each([&](std::uint32_t i) { p_.x[i].w = weight(i); });
-  }
   template <class F>
   void each(F&& f) {
     c_.jobs->for_blocks(p_.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {

@@ -33,12 +33,7 @@ void confine_vorticity(FluidPool& p, Real h, StepContext& c) {
       p.next_weight[i] = length(p.extra[i].vec());
     }
   });
-  const auto weigh = [&](auto&& weight) {
-    each_block([&](std::uint32_t first, std::uint32_t last) {
-      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = weight(i);
-    });
-  };
-  weigh([&](std::uint32_t i) { return p.next_weight[i]; });
+  p.weigh(*c.jobs, [&](std::uint32_t i) { return p.next_weight[i]; });
   each_block([&](std::uint32_t first, std::uint32_t last) {
     p.sweeps->climb(in, first, last, &p.move[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
@@ -47,7 +42,7 @@ void confine_vorticity(FluidPool& p, Real h, StepContext& c) {
       p.move[i].set(by * cross(towards, p.extra[i].vec()));
     }
   });
-  weigh([](std::uint32_t) { return Real(0); });
+  p.clear_weights(*c.jobs);
   const Kicks all = sum_blocks<Kicks>(p.count, kParticleGrain, *c.jobs, *c.scratch, [&](std::uint32_t i, Kicks& sum) {
     const double mass = static_cast<double>(p.mass_of(i));
     for (int k = 0; k < 3; ++k) sum.momentum[k] += mass * static_cast<double>(p.move[i].vec()[k]);

@@ -325,9 +325,7 @@ void Wcsph::kick(FluidPool& p, Real h, StepContext& c) {
   if (p.desc.viscosity > 0) add_viscosity(p, *boundary, h, c);
   if (has_tension(p)) add_tension(p, *boundary, h, c);
   if (p.desc.vorticity > 0) confine_vorticity(p, h, c);
-  c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 0;
-  });
+  p.clear_weights(*c.jobs);
 }
 
 }  // namespace

@@ -22,49 +22,41 @@ template <class F>
   }
 }
 
-template <class Shape>
+// Weights of a pair.
+struct One {
+  [[gnu::always_inline]] static Lanes of(const Four&, const Four&) { return all_lanes(1); }
+};
+struct OfBoth {
+  [[gnu::always_inline]] static Lanes of(const Four& own, const Four& other) { return own.w + other.w; }
+};
+struct OfOther {
+  [[gnu::always_inline]] static Lanes of(const Four&, const Four& other) { return other.w; }
+};
+struct Difference {
+  [[gnu::always_inline]] static Lanes of(const Four& own, const Four& other) { return other.w - own.w; }
+};
+
+template <class Shape, class Weight>
 void values_of(const SweepInput& s, unsigned first, unsigned last, WideReal* out) {
-  const Lanes inv = all_lanes(s.inv_support);
-  for (unsigned i = first; i < last; ++i) {
-    const Four own = spread(s.points + 4ul * i);
-    Lanes sum = zero_lanes();
-    each_eight(s, i, [&](const unsigned* at) { sum += Shape::value(pair(own, gather(s.points, at), inv).u); });
-    out[i] = total(sum);
-  }
-}
-
-template <class Shape>
-void push_of(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
-  const Lanes inv = all_lanes(s.inv_support);
-  sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
-    const Four other = gather(s.points, at);
-    const Pair p = pair(own, other, inv);
-    const Lanes f = Shape::slope(p.u) * (own.w + other.w);
-    sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
-  });
-}
-
-template <class Shape>
-void values_by(const SweepInput& s, unsigned first, unsigned last, WideReal* out) {
   const Lanes inv = all_lanes(s.inv_support);
   for (unsigned i = first; i < last; ++i) {
     const Four own = spread(s.points + 4ul * i);
     Lanes sum = zero_lanes();
     each_eight(s, i, [&](const unsigned* at) {
       const Four other = gather(s.points, at);
-      sum += other.w * Shape::value(pair(own, other, inv).u);
+      sum += Shape::value(pair(own, other, inv).u) * Weight::of(own, other);
     });
     out[i] = total(sum);
   }
 }
 
-template <class Shape>
-void push_by(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
+template <class Shape, class Weight>
+void push_of(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
   const Lanes inv = all_lanes(s.inv_support);
   sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
     const Four other = gather(s.points, at);
     const Pair p = pair(own, other, inv);
-    const Lanes f = other.w * Shape::slope(p.u);
+    const Lanes f = Shape::slope(p.u) * Weight::of(own, other);
     sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
   });
 }
@@ -73,6 +65,17 @@ void push_by(const SweepInput& s, unsigned first, unsigned last, WideReal* out4)
 struct ColorShape {
   [[gnu::always_inline]] static Lanes value(Lanes u) { return all_lanes(1) - u * u; }
   [[gnu::always_inline]] static Lanes slope(Lanes u) { return select(u < all_lanes(1), all_lanes(-2), zero_lanes()); }
+};
+
+// Cohesion of Akinci, Akinci & Teschner 2013, eq. 2: attraction that is 1, its maximum, at half the support, and
+// repulsion close by; over u, as a slope is.
+struct CohesionShape {
+  [[gnu::always_inline]] static Lanes slope(Lanes u) {
+    const Lanes a = (all_lanes(1) - u) * u, a3 = all_lanes(64) * a * a * a;
+    const Lanes near = min(a3 - all_lanes(1), zero_lanes());  // below half the support: twice, less one
+    const LaneMask close = u < all_lanes(WideReal(0.5));
+    return (a3 + select(close, near, zero_lanes())) / max(u, all_lanes(WideReal(1e-3)));
+  }
 };
 
 // Density, gradient and viscosity may come from different kernels; pressure that is the gradient of an energy needs
@@ -148,34 +151,6 @@ struct SweepsOf {
     }
   }
 
-  // Cohesion of Akinci, Akinci & Teschner 2013, eq. 2: attraction that is 1, its maximum, at half the support, and
-  // repulsion close by. Over u.
-  [[gnu::always_inline]] static Lanes cohesion(Lanes u) {
-    const Lanes a = (all_lanes(1) - u) * u, a3 = all_lanes(64) * a * a * a;
-    const Lanes near = min(a3 - all_lanes(1), zero_lanes());  // below half the support: twice, less one
-    const LaneMask close = u < all_lanes(WideReal(0.5));
-    return (a3 + select(close, near, zero_lanes())) / max(u, all_lanes(WideReal(1e-3)));
-  }
-
-  static void cohere(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
-    const Lanes inv = all_lanes(s.inv_support);
-    sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
-      const Pair p = pair(own, gather(s.points, at), inv);
-      const Lanes f = cohesion(p.u);
-      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
-    });
-  }
-
-  static void cohere_by(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
-    const Lanes inv = all_lanes(s.inv_support);
-    sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
-      const Four other = gather(s.points, at);
-      const Pair p = pair(own, other, inv);
-      const Lanes f = other.w * cohesion(p.u);
-      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
-    });
-  }
-
   static void viscous(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support), soft = all_lanes(s.soft);
     sum_vectors(s, first, last, out4, [&](unsigned i, const Four& own, const unsigned* at, Sum3& sum) {
@@ -199,8 +174,7 @@ struct SweepsOf {
     });
   }
 
-  // Sums of differences, so that a rigid motion has no curl but its own, and equal weights no slope, at a surface as
-  // well.
+  // Of differences, so that a shift has no curl at a surface either.
   static void curl(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
     const Lanes inv = all_lanes(s.inv_support);
     sum_vectors(s, first, last, out4, [&](unsigned i, const Four& own, const unsigned* at, Sum3& sum) {
@@ -208,16 +182,6 @@ struct SweepsOf {
       const Pair p = pair(own, gather(s.points, at), inv);
       const Lanes g = Gradient::slope(p.u), x = v.x - vo.x, y = v.y - vo.y, z = v.z - vo.z;
       sum.x += g * (y * p.z - z * p.y), sum.y += g * (z * p.x - x * p.z), sum.z += g * (x * p.y - y * p.x);
-    });
-  }
-
-  static void climb(const SweepInput& s, unsigned first, unsigned last, WideReal* out4) {
-    const Lanes inv = all_lanes(s.inv_support);
-    sum_vectors(s, first, last, out4, [&](unsigned, const Four& own, const unsigned* at, Sum3& sum) {
-      const Four other = gather(s.points, at);
-      const Pair p = pair(own, other, inv);
-      const Lanes f = Gradient::slope(p.u) * (other.w - own.w);
-      sum.x += f * p.x, sum.y += f * p.y, sum.z += f * p.z;
     });
   }
 
@@ -237,23 +201,23 @@ struct SweepsOf {
 
   static constexpr Sweeps table() {
     using Images = ImagesOf<Density, Gradient>;
-    return {values_of<Density>,
+    return {values_of<Density, One>,
             slopes,
-            push_of<Gradient>,
+            push_of<Gradient, OfBoth>,
             push_damped,
             push_from,
             push_near,
             growth,
             curl,
-            climb,
-            cohere,
-            values_of<ColorShape>,
-            push_of<ColorShape>,
+            push_of<Gradient, Difference>,
+            push_of<CohesionShape, One>,
+            values_of<ColorShape, One>,
+            push_of<ColorShape, OfBoth>,
             viscous,
             squares_by,
-            cohere_by,
-            values_by<ColorShape>,
-            push_by<ColorShape>,
+            push_of<CohesionShape, OfOther>,
+            values_of<ColorShape, OfOther>,
+            push_of<ColorShape, OfOther>,
             viscous_by,
             Images::images,
             Images::growth,
