@@ -1,5 +1,6 @@
 // Springs far too stiff for the step: no implicit method may go non-finite or gain energy, and none may stop in
 // silence.
+#include "feder/error.h"
 #include "feder/memory.h"
 #include "integrate/limits.h"
 #include "linear/block_ldl.h"
@@ -44,7 +45,7 @@ TEST_CASE("implicit methods stay finite on springs of any stiffness", "[integrat
   SpringField f = hung_chain(10, stiffness, ratio);
   State s = straight(10);
   bool finite = true;
-  for (int k = 0; k < 120 && finite; ++k) {
+  for (int k = 0; k < (kAsserts ? 40 : 120) && finite; ++k) {
     m->step(f, 0, Real(1) / 60, s.x, s.v);
     for (std::size_t i = 0; i < s.x.size(); ++i) finite = finite && is_finite(s.x[i]) && is_finite(s.v[i]);
   }

@@ -71,7 +71,7 @@ const Plant kPlants[] = {
      "w:force { kind = 'spring', on = c, stiffness = 1e5 } w:step(20)"},
     {"drop",
      "local w = feder.world {} watch(w) local f = w:fluid { name = 'drop', solver = 'pbf', spacing = .1, "
-     "surface_tension = 1e5 } "
+     "surface_tension = 1e5, max_substeps = 1 } "
      "f:fill { box = {{0,0,0},{.6,.6,.6}} } w:step(20)"},
     {"salty",
      "local w = feder.world {} watch(w) local f = w:fluid { name = 'salty', spacing = .1, surface_tension = 1e5, "

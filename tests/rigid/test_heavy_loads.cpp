@@ -80,7 +80,7 @@ TEST_CASE("a load that falls into its chain does not tear it", "[rigid][once][ov
   const double angle = GENERATE(0.03, 0.1, 1.2);
   const double ratio = GENERATE(100.0, 500.0, 1000.0, 3000.0, 5000.0);
   const int links = GENERATE(10, 24);
-  if (links > 10 && angle > 1) return;
+  if (links > 10 && (angle > 1 || kAsserts)) return;
   CAPTURE(ratio, angle, links);
   Loaded t;
   ObjectId last = t.box(Vec3(Real(0.2), Real(0.2), Real(0.2)), Vec3(0, 0, 0), 0);
