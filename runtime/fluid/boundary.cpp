@@ -192,6 +192,7 @@ void FluidPool::record_contact_states(const Boundary& boundary) {
     if (dot(c.normal, position) - c.offset > near) continue;
     FEDER_ASSERT(c.particle < count && c.shape < boundary.shapes.size());
     FluidPool& own = is_mixture() ? *phases[phase[c.particle]] : *this;
+    if (is_mixture() && !own.mixed) continue;  // queries only look
     FluidContactState& t = own.contact_states[boundary.shapes[c.shape].body];
     t.body = boundary.body_of(c).object;
     ++t.count;
@@ -346,9 +347,9 @@ void FluidPool::move_out(std::uint32_t i, Boundary& boundary, bool velocities) {
       if (closing >= 0 || !velocities) return;
       // fully plastic, by the masses of the pair: the body gains the momentum that the particle loses
       const Real own = mass_of(i);
-      const Real share = 1 / (1 + (b.dynamic ? own * b.response(x[i].vec(), n) : Real(0)));
-      FEDER_ASSERT(!(share < 0 || share > Real(1.01)));
-      const Vec3 p = (-closing * share * own) * n;
+      const Real taken = 1 / (1 + (b.dynamic ? own * b.response(x[i].vec(), n) : Real(0)));
+      FEDER_ASSERT(!(taken < 0 || taken > Real(1.01)));
+      const Vec3 p = (-closing * taken * own) * n;
       v[i].set(v[i].vec() + p / own);
       if (b.dynamic)
         b.push(x[i].vec(), -p);

@@ -174,7 +174,7 @@ void Dfsph::find_compliance(FluidPool& p) const {
 // Within the fluid, not at its surface, pressure may pull, and then densities are kept from falling as well.
 void Dfsph::find_suction(FluidPool& p, std::uint32_t i) const {
   const Real inside = clamp(1 - p.air[i] / kOpen, 0, 1);
-  p.least[i] = -inside * p.fluid_of(i).desc.negative_pressure * kAtmosphere * h_ * p.volume;
+  p.least[i] = -inside * p.fluid_of(i).desc.negative_pressure * kAtmosphere * h_ * p.fluid_of(i).volume;
   p.lambda[i] = std::max(p.lambda[i], p.least[i]);
   if (inside > 0) p.allowed[i] = clamp(1 - p.ratio[i], -kMostRebound, kMostRebound) / h_;
 }
@@ -281,7 +281,7 @@ void Dfsph::correct_velocities(StepContext& c) {
 // `most` at most, as a multiplier.
 void Dfsph::keep_apart(FluidPool& p, Real share, Real most, StepContext& c) const {
   SweepInput in = p.sweep_input();
-  const double at_rest = p.kernel->density.value(p.dimension, static_cast<double>(p.desc.spacing / p.support));
+  const double at_rest = p.kernel->density.value(p.dimension, static_cast<double>(p.finest / p.support));
   in.near = static_cast<Real>(p.kernel->norm_density[p.dimension - 2] / at_rest);
   p.weigh(*c.jobs, [&](std::uint32_t i) { return share * std::max(-p.lambda[i], std::min(p.lambda[i], most)); });
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
@@ -298,6 +298,7 @@ void Dfsph::spread(FluidPool& p, StepContext& c) const {
   const Real by = kSpread * p.support * p.support, most = kMostSpread * p.desc.spacing;
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
+    p.even_slopes(first, last);
     for (std::uint32_t i = first; i < last; ++i) {
       const Vec3 denser = by * (p.slope_factor * p.move[i].vec() + p.images->gradient(i));
       const Real far = length(denser);

@@ -33,13 +33,8 @@ void damp_noise(FluidPool& p, Real share, StepContext& c) {
   in.soft = Real(1e-6) * r2;
   const bool mixture = p.is_mixture();  // masses are the weights: what one loses the others gain
   const auto viscous = mixture ? p.sweeps->viscous_by : p.sweeps->viscous;
-  const auto weigh = [&](bool by_mass) {
-    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = by_mass ? p.mass_of(i) : Real(0);
-    });
-  };
   const auto inertia = [&](std::uint32_t i) { return mixture ? p.mass_of(i) : Real(1); };
-  if (mixture) weigh(true);
+  if (mixture) p.weigh(*c.jobs, [&p](std::uint32_t i) { return p.share_of(i) * p.mass_of(i); });
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     viscous(in, first, last, &p.extra[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
@@ -55,7 +50,7 @@ void damp_noise(FluidPool& p, Real share, StepContext& c) {
     for (std::uint32_t i = first; i < last; ++i)
       p.v[i].set(p.v[i].vec() - share * factor / inertia(i) * p.move[i].vec());
   });
-  if (mixture) weigh(false);
+  if (mixture) p.clear_weights(*c.jobs);
 }
 
 }  // namespace feder

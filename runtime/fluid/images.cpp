@@ -49,6 +49,7 @@ void BoundaryImages::place_faces(const FluidPool& p, const Boundary& boundary, J
   ImageInput& in = input_;
   in.faces = &faces_[0].x, in.shapes = shapes_.data(), in.first = p.contact_first.data();
   in.nearest = nearest_.data(), in.counts = p.lists.count.data();
+  in.shares = p.uneven() ? p.share.data() : nullptr;
   in.far_face = contacts, in.far_particle = p.count;
   in.support = p.support, in.corner = kCorner, in.opposite = kOpposite;
   in.moments = std::any_of(boundary.bodies.begin(), boundary.bodies.end(),

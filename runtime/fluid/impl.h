@@ -122,6 +122,9 @@ struct Fluid::Impl {
   void set_tensions(FluidPool& mixture) const;
   void find_touching(StepContext& c);
   void mix(StepContext& c);
+  bool list_near(const FluidPool& p, const FluidPool& mixture, std::vector<const FluidPool*>& out) const;
+  bool meets_others(const FluidPool& p) const;
+  void find_mixed_ratios(FluidPool& p);  // where it meets others, for queries
   void unmix(StepContext& c);
   template <class F>
   void each_touching(const FluidPool& p, F&& f) const;
@@ -192,6 +195,7 @@ struct Fluid::Impl {
     std::vector<Real> ratio;
   };
   void refresh_near(FluidPool& p, const Vec3& at, const std::vector<std::uint32_t>& wanted);
+  void find_ratios_now(FluidPool& p);
   void refresh(FluidPool& p);  // lists, contacts and density ratios at the present positions, for queries
   std::vector<std::uint32_t> by_id(const FluidPool& p) const;
   // value(i) of each particle, in the order of making.

@@ -1,5 +1,5 @@
 // Warnings about fluids that cannot go well together, tensions that they cannot have, and about fluids that do not
-// fit: where they meet, one spacing and densities within the ratio that their solver holds are wanted. Once each. Kept
+// fit: where they meet, spacings and densities within the ratio that their solver holds are wanted. Once each. Kept
 // between calls: who has been warned.
 #include <algorithm>
 
@@ -11,12 +11,6 @@ namespace {
 
 constexpr std::uint32_t kTried = 256;  // particles of one fluid, evenly taken, that look for another
 constexpr Real kNarrow = Real(0.9);    // of the spacing, width between two walls that has no room for a particle
-
-Aabb bounds_of(const FluidPool& p) {
-  Aabb box;
-  for (std::uint32_t i = 0; i < p.count; ++i) box.include(p.x[i].vec());
-  return box;
-}
 
 // Is a particle of one within `distance` of one of the other?
 bool near(const FluidPool& a, const FluidPool& b, Real distance) {
@@ -35,7 +29,7 @@ Real ratio_of(Real a, Real b) { return std::max(a, b) / std::min(a, b); }
 
 void Fluid::Impl::check_fluids_that_meet(StepContext& c) {
   const auto suits = [this](const FluidPool& a, const FluidPool& b) {
-    return (a.warned_spacing || ratio_of(a.desc.spacing, b.desc.spacing) <= kSameSpacing) &&
+    return (a.warned_spacing || ratio_of(a.desc.spacing, b.desc.spacing) <= kMostSpacings) &&
            (a.warned_density || ratio_of(a.desc.density, b.desc.density) <= solver_of(a).most_density_ratio());
   };
   for (std::size_t k = 1; k < pools.size(); ++k)
@@ -44,19 +38,19 @@ void Fluid::Impl::check_fluids_that_meet(StepContext& c) {
       if (a.count == 0 || b.count == 0 || suits(a, b)) continue;
       if (!a.meets(b)) continue;
       const Real reach = std::max(a.desc.spacing, b.desc.spacing) * Real(1.5);
-      Aabb box = bounds_of(a);
+      Aabb box = a.bounds();
       box.grow(reach);
-      if (!overlaps(box, bounds_of(b)) || !near(a, b, reach)) continue;
+      if (!overlaps(box, b.bounds()) || !near(a, b, reach)) continue;
       const auto pair = [&](const char* what, Real x, Real y, const char* unit) {
         return objects.describe(a.object) + " with a " + what + " of " + print_value(x) + " " + unit + " touches " +
                objects.describe(b.object) + " with " + print_value(y);
       };
-      if (!a.warned_spacing && ratio_of(a.desc.spacing, b.desc.spacing) > kSameSpacing) {
+      if (!a.warned_spacing && ratio_of(a.desc.spacing, b.desc.spacing) > kMostSpacings) {
         a.warned_spacing = true;
         c.events->warn("fluid_spacing",
                        pair("spacing", a.desc.spacing, b.desc.spacing, "m") +
-                           ": particles of different size are not solved as one, and pass through each other; give "
-                           "both one spacing",
+                           ": particles more than 1.25 times as wide as others are not solved as one with them, and "
+                           "pass through; bring the spacings nearer to each other",
                        a.object);
       }
       const Real most = solver_of(a).most_density_ratio();

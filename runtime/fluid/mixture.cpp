@@ -5,11 +5,11 @@
 // field, forces of pairs stay equal and opposite, and what is lighter moves by so much more. Viscosity between fluids
 // is the harmonic mean of theirs, tension between them that of add_tension(). Fluids may touch whose groups and masks
 // let them; they touch where their boxes, swept over the substep, overlap. Those of one solver that may touch have at
-// most one mixture, which holds all that touch another. Kept between substeps: nothing; all state is with the fluids.
-// Weak spots: the pressure of the outermost heavy particles, of half a layer of them, acts on light ones: at a ratio of
-// 100 it holds them half a spacing off. Boxes: a splash across a tank mixes what is in it. A fluid that sleeps wakes
-// where another comes near. pbf and wcsph, whose particles lie in lattices, leave films of what is lighter by less than
-// a half below.
+// most one mixture, which holds all that touch another. Spacings may differ by 1.25 (uneven.cpp). Kept between
+// substeps: nothing; all state is with the fluids. Weak spots: the pressure of the outermost heavy particles, of half a
+// layer of them, acts on light ones: at a ratio of 100 it holds them half a spacing off. Boxes: a splash across a tank
+// mixes what is in it. A fluid that sleeps wakes where another comes near. pbf and wcsph, whose particles lie in
+// lattices, leave films of what is lighter by less than a half below.
 #include <algorithm>
 #include <cmath>
 
@@ -22,7 +22,7 @@ namespace {
 
 bool suits(const FluidPool& a, const FluidPool& b) {
   const Real x = a.desc.spacing, y = b.desc.spacing;
-  return a.meets(b) && std::max(x, y) <= kSameSpacing * std::min(x, y);
+  return a.meets(b) && std::max(x, y) <= kMostSpacings * std::min(x, y);
 }
 
 // Of the energy of a free surface of both, that a face between two has for the same share of the colour: in the plane
@@ -145,9 +145,10 @@ void Fluid::Impl::set_tensions(FluidPool& mixture) const {
   }
   mixture.desc.surface_tension = most;
   mixture.find_tension();
-  mixture.pull.clear(), mixture.color_energies.clear();
+  mixture.pull.clear(), mixture.color_energies.clear(), mixture.wettings.clear();
   for (std::size_t a = 0; a < list.size(); ++a) {
-    mixture.color_energies.push_back(mixture.energy_of_tension * own[a]);
+    mixture.color_energies.push_back(mixture.energy_unit(list[a]->desc.spacing) * own[a]);
+    mixture.wettings.push_back(mixture.wetting_unit(list[a]->desc.spacing));
     for (std::size_t b = 0; b < list.size(); ++b) {
       const Real between = a == b ? Real(0) : tension_between(*list[a], *list[b]);
       const Real both = own[a] + own[b], part = both > 0 ? between / both : Real(0);
@@ -210,6 +211,10 @@ void Fluid::Impl::make_mixtures() {
     Real least = desc.density;
     for (const FluidPool* p : m->phases) least = std::min(least, p->desc.density);
     m->lightest = least / desc.density;
+    for (const FluidPool* p : m->phases) {  // a fluid that is held farther off by itself would fall from there
+      m->finest = std::min(m->finest, p->desc.spacing), m->clearance = std::min(m->clearance, p->clearance);
+    }
+    if (m->finest < desc.spacing) m->keep_shares();
     set_tensions(*m);
     mixtures.push_back(std::move(m));
   }
@@ -314,6 +319,43 @@ double Fluid::Impl::given_by_others(const FluidPool& p, const StepContext& c) co
   if (!(mass > 0)) return 0;
   return before +
          gravity_work(fastest * static_cast<double>(length(c.gravity)), static_cast<double>(c.dt), mass, before, now);
+}
+
+// Those that are solved as one with a fluid where it is now, itself first.
+bool Fluid::Impl::list_near(const FluidPool& p, const FluidPool& mixture, std::vector<const FluidPool*>& out) const {
+  out.assign(1, &p);
+  const auto& list = mixture.phases;
+  if (p.frozen || std::find(list.begin(), list.end(), &p) == list.end()) return false;
+  Aabb box = p.bounds();
+  box.grow(mixture.support);
+  for (const FluidPool* o : list)
+    if (o != &p && o->count > 0 && !o->frozen && suits(p, *o) && overlaps(box, o->bounds())) out.push_back(o);
+  return out.size() > 1;
+}
+
+bool Fluid::Impl::meets_others(const FluidPool& p) const {
+  std::vector<const FluidPool*> near;
+  return std::any_of(mixtures.begin(), mixtures.end(), [&](const auto& m) { return list_near(p, *m, near); });
+}
+
+void Fluid::Impl::find_mixed_ratios(FluidPool& p) {
+  std::vector<const FluidPool*> near;
+  for (auto& mixture : mixtures) {
+    FluidPool& m = *mixture;
+    if (!list_near(p, m, near)) continue;
+    for (const FluidPool* o : near) {
+      const auto k = static_cast<std::uint32_t>(std::find(m.phases.begin(), m.phases.end(), o) - m.phases.begin());
+      std::copy_n(o->x.begin(), o->count, m.x.begin() + m.count);
+      std::copy_n(o->screen.begin(), o->count, m.screen.begin() + m.count);
+      std::fill_n(m.phase.begin() + m.count, o->count, k);
+      m.count += o->count;
+    }
+    m.put_sentinel();
+    find_ratios_now(m);
+    std::copy_n(m.ratio.begin(), p.count, p.ratio.begin());
+    m.count = 0;
+    m.put_sentinel();
+  }
 }
 
 void Fluid::Impl::unmix(StepContext& c) {

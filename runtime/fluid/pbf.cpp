@@ -256,10 +256,14 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
   const Real step = scheme.step(), carry = first_round ? Real(0) : scheme.carry();
   const Real least = -kMaxPush * p.lightest * p.mass * p.desc.spacing * p.desc.spacing;
   const bool mixture = p.is_mixture();
-  if (mixture && first_round)
-    c.jobs->for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 1 / p.mass_of(i);
+  if (p.uneven()) {
+    p.find_skew(*c.jobs);
+    c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+      p.sweeps->values_by(in, first, last, p.sum.data());
     });
+  }
+  if (mixture && first_round)
+    p.weigh(*c.jobs, [&p](std::uint32_t i) { return p.share_of(i) * p.share_of(i) / p.mass_of(i); });
   const Real compliance = p.desc.stiffness > 0 ? 1 / (p.desc.stiffness * p.volume * h_ * h_) : Real(0);
   const Scratch::Frame frame(*c.scratch);
   const std::uint32_t blocks = block_count(p.count, kFluidGrain);
@@ -268,18 +272,19 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
     double residual = 0;
     // density of neighbours; in the first iteration with its gradients
     if (first_round)
-      p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
-    else
+      p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data()), p.even_slopes(first, last);
+    else if (!p.uneven())
       p.sweeps->values(in, first, last, p.sum.data());
     if (mixture && first_round) p.sweeps->squares_by(in, first, last, p.squares.data());
     for (std::uint32_t i = first; i < last; ++i) {
-      const Real crowd = p.value_factor * (first_round ? p.move[i].w : p.sum[i]) + p.own_value + p.screen[i];
+      const Real crowd = p.value_factor * (first_round && !p.uneven() ? p.move[i].w : p.sum[i]) +
+                         p.share_of(i) * p.own_value + p.screen[i];
       // boundary: density, gradient, and the response of bodies
       Real walled = 0, shared = 0, opposed = 0;
       Vec3 wall = Vec3::Zero();
       for (const BoundaryContact& k : p.contacts_of(i)) {
         FEDER_ASSERT(k.particle == i);
-        const BoundaryTerms s = p.table->at(distance(p, k) / p.support);
+        const BoundaryTerms s = p.table_of(i).at(distance(p, k) / p.support);
         walled += s.value;
         if (!first_round) continue;
         const Real slope = s.slope / p.support;
@@ -301,7 +306,7 @@ double Pbf::correct(FluidPool& p, bool first_round, const SemiIteration& scheme,
       p.ratio[i] = crowd + walled;
       const Real excess = std::min(crowd - 1, kMaxExcess) + std::min(walled, kMaxBoundaryExcess), before = p.lambda[i];
       // Chebyshev step, clamped to pressure
-      const Real stiff = p.diagonal[i] / step + compliance, carried = carry * p.x[i].w;
+      const Real stiff = p.diagonal[i] / step + compliance, carried = first_round ? Real(0) : carry * p.next_weight[i];
       const Real wanted = stiff > 0 ? before + carried - (excess + compliance * before) / stiff : Real(0);
       const Real after = clamp(wanted, least, Real(0));
       p.lambda[i] = after;
@@ -332,13 +337,16 @@ void Pbf::displace(FluidPool& p, StepContext& c) {
   FEDER_ASSERT(p.start.size() > p.count);
   p.start[p.count] = {};
   in.velocity = &p.start[0].x;
-  const auto push_apart = p.desc.surface_tension > 0 ? p.sweeps->push_from : p.sweeps->push;
+  const bool from_start = p.desc.surface_tension > 0;
+  if (from_start && p.uneven()) p.find_skew_from(in, *c.jobs);
+  const auto push_apart = from_start ? p.sweeps->push_from : p.sweeps->push;
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     push_apart(in, first, last, &p.move[0].x);
+    p.even_push(first, last);
     for (std::uint32_t i = first; i < last; ++i) {
       Vec3 move = p.slope_factor * p.move[i].vec();
       for (BoundaryContact& k : p.contacts_of(i)) {
-        const Real push = -p.x[i].w * p.table->at(distance(p, k) / p.support).slope / p.support;
+        const Real push = -p.x[i].w * p.table_of(i).at(distance(p, k) / p.support).slope / p.support;
         move += push * k.normal;
         k.impulse = push / h_;
       }

@@ -91,13 +91,22 @@ void FluidPool::find_tension() {
   cohesion = static_cast<Real>(force);
   colored = desc.surface_model == "color_field";
   inward = colored ? Real(0) : static_cast<Real>(force * unit_pressure);
-  const double in_spacings = r / static_cast<double>(desc.spacing);
-  const ColorSums sums = color_sums(dimension, in_spacings);
-  FEDER_ASSERT(sums.whole > 1 && sums.lack > 0 && sums.depth > 0);
-  color_unit = static_cast<Real>(1 / sums.whole);
-  energy_of_tension = 1 / (static_cast<Real>(kSettled[dimension - 2] * sums.lack) * desc.spacing);
+  color_unit = static_cast<Real>(1 / color_sums(dimension, r / static_cast<double>(desc.spacing)).whole);
+  energy_of_tension = energy_unit(desc.spacing);
   color_energy = energy_of_tension * desc.surface_tension;
-  wetting = static_cast<Real>(1 / sums.depth) / desc.spacing;
+  wetting = wetting_unit(desc.spacing);
+}
+
+Real FluidPool::energy_unit(Real spacing) const {
+  const ColorSums sums = color_sums(dimension, static_cast<double>(support) / static_cast<double>(spacing));
+  FEDER_ASSERT(sums.whole > 1 && sums.lack > 0);
+  return 1 / (static_cast<Real>(kSettled[dimension - 2] * sums.lack) * spacing);
+}
+
+Real FluidPool::wetting_unit(Real spacing) const {
+  const ColorSums sums = color_sums(dimension, static_cast<double>(support) / static_cast<double>(spacing));
+  FEDER_ASSERT(sums.depth > 0);
+  return static_cast<Real>(1 / sums.depth) / spacing;
 }
 
 void FluidPool::grow(std::uint32_t wanted) {
@@ -107,9 +116,9 @@ void FluidPool::grow(std::uint32_t wanted) {
   for (auto* array : {&x, &v, &start, &move, &extra, &swap4}) array->resize(room + 1);
   for (auto* array : {&lambda, &screen, &sum, &squares, &diagonal, &ratio, &next_weight, &swap1}) array->resize(room);
   for (auto* array : {&id, &order, &swap_id}) array->resize(room);
-  for (auto* array : {&origin, &listed_at, &script_force, &surface})
+  for (auto* array : {&origin, &listed_at, &script_force, &surface, &skew})
     if (!array->empty()) array->resize(room + 1);
-  for (auto* array : {&residual, &allowed, &air, &shifts, &least})
+  for (auto* array : {&residual, &allowed, &air, &shifts, &least, &share})
     if (!array->empty()) array->resize(room + 1);
   if (!phase.empty()) phase.resize(room);
   isolated.resize(room), inside.resize(room), contact_first.resize(room + 1);
@@ -202,6 +211,7 @@ void FluidPool::sort_by_cell(JobPool& jobs, Real skin) {
 
 void FluidPool::find_neighbors(JobPool& jobs, Real skin) {
   search->find({&x[0].x, 4 * std::size_t(count)}, support + skin, jobs, lists);
+  if (uneven()) set_shares(jobs);
   if constexpr (kAsserts) validate_neighbors(support + skin);
 }
 
@@ -227,18 +237,25 @@ SweepInput FluidPool::sweep_input() const {
 
 void FluidPool::find_ratios(const Boundary& boundary, JobPool& jobs) {
   if (images) images->build(*this, boundary, jobs);
+  if (uneven()) find_skew(jobs);
   const SweepInput in = sweep_input();
   jobs.for_blocks(count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    sweeps->values(in, first, last, sum.data());
+    (uneven() ? sweeps->values_by : sweeps->values)(in, first, last, sum.data());
     for (std::uint32_t i = first; i < last; ++i) {
-      Real r = value_factor * sum[i] + own_value + screen[i];
+      Real r = value_factor * sum[i] + share_of(i) * own_value + screen[i];
       if (images)
         r += images->value(i);
       else
-        for (const BoundaryContact& c : contacts_of(i)) r += table->at(c.distance(x[i].vec()) / support).value;
+        for (const BoundaryContact& c : contacts_of(i)) r += table_of(i).at(c.distance(x[i].vec()) / support).value;
       ratio[i] = r;
     }
   });
+}
+
+Aabb FluidPool::bounds() const {
+  Aabb box;
+  for (std::uint32_t i = 0; i < count; ++i) box.include(x[i].vec());
+  return box;
 }
 
 Real FluidPool::max_speed() const {

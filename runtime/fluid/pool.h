@@ -142,14 +142,21 @@ struct FluidPool {
   Array<FluidContactState> contact_states{&arena};  // by body of the boundary; sums in point and normal
   std::uint64_t ids_there = 0;  // of validate(): sum of id_key over the particles added and not removed
 
-  // Of a mixture (mixture.h): the fluids that are solved as one, and by particle which it is of. Else empty.
+  // Of a mixture (mixture.cpp): the fluids that are solved as one, and by particle which it is of. Else empty.
   // The lightest one's density over the heaviest one's, which is desc.density: pressure moves it by so much more.
   Real lightest = 1;
   std::vector<FluidPool*> phases;
   Array<std::uint32_t> phase{&arena};
+  // Of a mixture of unlike spacings (uneven.cpp), else empty.
+  std::vector<Real> shares;  // by fluid: what one of its particles counts in a density, over one of the widest spacing
+  std::vector<std::unique_ptr<BoundaryTable>> tables;  // by fluid
+  Array<Real> share{&arena};                           // likewise by particle
+  Array<Row4> skew{&arena};                            // what its neighbours count more than it does, times the slopes
+  Real finest = desc.spacing;                          // of its spacings, m
   std::vector<Real> pull;            // of two phases, by both: largest force, N, that gives their tension
                                      // (cohesion); share by which one fills the colour of the other (color_field)
   std::vector<Real> color_energies;  // color_energy of phases
+  std::vector<Real> wettings;        // wetting of phases
 
   std::uint32_t capacity() const { return static_cast<std::uint32_t>(id.size()); }
   bool active() const { return count > 0 && !frozen && !asleep && !mixed; }
@@ -157,11 +164,15 @@ struct FluidPool {
   // Whose constants those of particle i are.
   const FluidPool& fluid_of(std::uint32_t i) const { return phases.empty() ? *this : *phases[phase[i]]; }
   Real mass_of(std::uint32_t i) const { return fluid_of(i).mass; }
+  bool uneven() const { return !shares.empty(); }
+  const BoundaryTable& table_of(std::uint32_t i) const { return shares.empty() ? *table : *tables[phase[i]]; }
+  Real share_of(std::uint32_t i) const { return shares.empty() ? Real(1) : share[i]; }
   Real pull_between(std::uint32_t a, std::uint32_t b) const { return pull[a * phases.size() + b]; }
   bool drowsy() const;                                    // asleep or about to
   void grow(std::uint32_t wanted);                        // outside steps; all arrays by particle
   void keep_origins();                                    // origin is kept from now on, and grows with the others
   void keep_script_forces();                              // likewise script_force
+  void keep_shares();                                     // what a mixture of unlike spacings needs, likewise
   void keep_solved();                                     // likewise what dfsph needs
   void keep_listed();                                     // likewise listed_at
   void add(const Vec3& position, const Vec3& velocity);   // below capacity()
@@ -188,6 +199,18 @@ struct FluidPool {
     FEDER_ASSERT(i < count && contact_first[i] <= contact_first[i + 1] && contact_first[i + 1] <= contacts.size());
     return {contacts.data() + contact_first[i], contact_first[i + 1] - contact_first[i]};
   }
+  // Factor of the energy of a surface and of what wets, for particles of that spacing with the support of this pool.
+  Real energy_unit(Real spacing) const;
+  Real wetting_unit(Real spacing) const;
+  // Of a mixture of unlike spacings, uneven.cpp. Lists must be fresh.
+  void set_shares(JobPool& jobs);                            // by phases, after a sort
+  void find_skew(JobPool& jobs);                             // leaves shares in the weights
+  void find_skew_from(const SweepInput& in, JobPool& jobs);  // of other positions, as push_from
+  // Corrects the sums in `move`, for particles that count what they do: of slopes, and of push by the weights as they
+  // are.
+  void even_slopes(std::uint32_t first, std::uint32_t last);
+  void even_push(std::uint32_t first, std::uint32_t last);
+  void share_out(const Array<Row4>& from, Array<Row4>& to, JobPool& jobs) const;  // times the shares
   // Density over density at rest of all particles where they are; lists must be fresh.
   void find_ratios(const Boundary& boundary, JobPool& jobs);
   // Sets the weights of the positions to weight(i), for the next sweep.
@@ -202,6 +225,7 @@ struct FluidPool {
   }
   // Acceleration of its column in this substep, m/s^2.
   Vec3 weight(const Vec3& gravity) const { return desc.gravity_scale * gravity + pressing; }
+  Aabb bounds() const;
   Real max_speed() const;
   double kinetic_energy() const;  // J; in blocks, as Fluid::Impl::check sums it
 
@@ -227,7 +251,6 @@ struct FluidPool {
 
 // Of a fluid over that of a body, or the other way round; of two fluids: FluidSolver::most_density_ratio().
 inline constexpr Real kMaxDensityRatio = 10000;
-inline constexpr Real kSameSpacing =
-    Real(1.05);  // ratio up to which two spacings are the same: fluids are solved as one
+inline constexpr Real kMostSpacings = Real(1.2501);  // ratio of two spacings up to which fluids are solved as one
 
 }  // namespace feder

@@ -65,10 +65,17 @@ void PressureSystem::prepare(JobPool& jobs) {
     const SweepInput in = p.sweep_input();
     const Real inv_mass = 1 / p.mass, rs = p.support * p.support * p.slope_factor * p.slope_factor;
     const bool mixture = p.is_mixture();
+    if (p.uneven()) {
+      p.find_skew(jobs);
+      jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+        p.sweeps->values_by(in, first, last, p.sum.data());
+      });
+    }
     if (mixture) weigh_by_lightness(p, jobs);
     jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       p.sweeps->slopes(in, first, last, &p.move[0].x, p.squares.data());
       if (mixture) p.sweeps->squares_by(in, first, last, p.squares.data());
+      p.even_slopes(first, last);
       for (std::uint32_t i = first; i < last; ++i) {
         const Vec3 open = p.slope_factor * p.move[i].vec() + p.images->gradient(i);
         Real shared = 0;
@@ -83,18 +90,17 @@ void PressureSystem::prepare(JobPool& jobs) {
         p.diagonal[i] = (mixture ? std::max(p.least_squares, own) / p.mass_of(i) + rs * p.squares[i]
                                  : inv_mass * std::max(p.least_squares, own + rs * p.squares[i])) +
                         shared;
-        p.ratio[i] = p.value_factor * p.move[i].w + p.own_value + p.screen[i] + p.images->value(i);
+        const Real crowd = p.value_factor * (p.uneven() ? p.sum[i] : p.move[i].w) + p.share_of(i) * p.own_value;
+        p.ratio[i] = crowd + p.screen[i] + p.images->value(i);
         p.air[i] = p.table->air(length(open) * p.support);
       }
     });
   }
 }
 
-// Puts 1/mass into the weights of the positions, until the next ones.
+// Puts 1/mass into the weights of the positions, times what they count squared, until the next ones.
 void PressureSystem::weigh_by_lightness(FluidPool& p, JobPool& jobs) {
-  jobs.for_blocks(p.count, kParticleGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-    for (std::uint32_t i = first; i < last; ++i) p.x[i].w = 1 / p.mass_of(i);
-  });
+  p.weigh(jobs, [&p](std::uint32_t i) { return p.share_of(i) * p.share_of(i) / p.mass_of(i); });
 }
 
 // What the motion of the boundary adds to the growth of the ratio of particle i.
@@ -122,6 +128,7 @@ void PressureSystem::press(JobPool& jobs) {
     const bool mixture = p.is_mixture();
     jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
       p.sweeps->push(in, first, last, &p.move[0].x);
+      p.even_push(first, last);
       p.sweeps->image_push(in, p.images->input(), first, last, &p.move[0].x);
       for (std::uint32_t i = first; i < last; ++i) {
         const Real lightness = mixture ? 1 / p.mass_of(i) : inv_mass;
@@ -150,11 +157,17 @@ void PressureSystem::grow(JobPool& jobs, bool of_moved) {
   for (FluidPool* pool : pools_) {
     FluidPool& p = *pool;
     const Array<Row4>& u = of_moved ? p.move : state(p);
-    SweepInput in = p.sweep_input();
-    in.velocity = &u[0].x;
+    SweepInput in = p.sweep_input(), shared = in;
+    in.velocity = shared.velocity = &u[0].x;
+    if (p.uneven()) {
+      p.share_out(u, p.swap4, jobs);
+      shared.velocity = &p.swap4[0].x;
+    }
     const bool moving = bodies_ && (of_moved ? !p.dynamic_contacts.empty() : boundary_moves_);
     jobs.for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
-      p.sweeps->growth(in, first, last, p.sum.data());
+      p.sweeps->growth(shared, first, last, p.sum.data());
+      if (p.uneven())
+        for (std::uint32_t i = first; i < last; ++i) p.sum[i] += dot(u[i].vec(), p.skew[i].vec());
       p.sweeps->image_growth(in, p.images->input(), first, last, p.sum.data());
       for (std::uint32_t i = first; i < last; ++i) {
         const Real sum = p.slope_factor * p.sum[i] + (moving ? wall_growth(p, i, of_moved) : Real(0));

@@ -10,6 +10,11 @@ namespace feder {
 
 void Fluid::Impl::refresh(FluidPool& p) {
   if (p.count == 0) return;
+  find_ratios_now(p);
+  find_mixed_ratios(p);
+}
+
+void Fluid::Impl::find_ratios_now(FluidPool& p) {
   FEDER_ASSERT(p.start.size() > p.count);
   std::copy(p.x.begin(), p.x.begin() + p.count, p.start.begin());
   p.put_sentinel();

@@ -111,7 +111,7 @@ double overlap(double x, double spacing, double lo, double hi) {
 
 // Densities of these particles, over that at rest, where they are now: as refresh() finds those of all.
 void Fluid::Impl::refresh_near(FluidPool& p, const Vec3& at, const std::vector<std::uint32_t>& wanted) {
-  if (p.images) return refresh(p);  // the boundary's terms are those of all of them
+  if (p.images || meets_others(p)) return refresh(p);  // the boundary's terms are those of all of them
   const std::vector<std::uint32_t> around = particles_near(p, at, 2 * p.support);
   for (const std::uint32_t i : wanted) {
     const Vec3 x = p.x[i].vec();

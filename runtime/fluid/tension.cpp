@@ -71,7 +71,7 @@ Real color_slope(Real energy, Real share) { return share > 0 ? 3 * energy * shar
 
 // Of the kernel of particle i, if `sum` is that of its neighbours. A boundary that the fluid wets fills its share.
 Real lack_of(const FluidPool& p, std::uint32_t i, Real sum) {
-  Real lack = 1 - p.color_unit * (1 + sum);
+  Real lack = 1 - p.color_unit * (p.share_of(i) + sum);
   if (p.fluid_of(i).desc.adhesion > 0)
     for (const BoundaryContact& k : p.contacts_of(i))
       lack -= color_beyond(p.dimension, k.distance(p.x[i].vec()) / p.support).value;
@@ -102,7 +102,7 @@ void draw_in(FluidPool& p, Real h, StepContext& c) {
 void draw_in_mixture(FluidPool& p, Real h, StepContext& c) {
   const SweepInput in = p.sweep_input();
   const auto phases = static_cast<std::uint32_t>(p.phases.size());
-  const auto share = [&](std::uint32_t k, std::uint32_t i) { return p.pull_between(k, p.phase[i]); };
+  const auto share = [&](std::uint32_t k, std::uint32_t i) { return p.pull_between(k, p.phase[i]) * p.share_of(i); };
   for (std::uint32_t k = 0; k < phases; ++k) {
     p.weigh(*c.jobs, [&](std::uint32_t i) { return share(k, i); });
     each_run(p, k, c, [&](std::uint32_t first, std::uint32_t last) {
@@ -118,7 +118,7 @@ void draw_in_mixture(FluidPool& p, Real h, StepContext& c) {
       each_run(p, k, c, [&](std::uint32_t first, std::uint32_t last) {
         p.sweeps->draw_by(in, first, last, &p.move[0].x);
         for (std::uint32_t i = first; i < last; ++i)
-          p.v[i].set(p.v[i].vec() + by / p.mass_of(i) * own(i) * p.move[i].vec());
+          p.v[i].set(p.v[i].vec() + by / p.mass_of(i) * p.share_of(i) * own(i) * p.move[i].vec());
       });
     };
     draw([&](std::uint32_t i) { return share(k, i) * p.next_weight[i]; }, [](std::uint32_t) { return Real(1); });
@@ -154,7 +154,8 @@ class Wetting {
     const Real s = clamp(k.distance(p_.x[i].vec()) / p_.support, 0, 1);
     if (!(own.desc.adhesion > 0) || s == 1) return 0;
     const Real excess = own.desc.adhesion - (colored_ ? own.desc.surface_tension : Real(0));
-    const Real pull = 4 * excess * own.wetting * s * (1 - s * s);
+    const Real wetting = p_.is_mixture() ? p_.wettings[p_.phase[i]] : own.wetting;
+    const Real pull = 4 * excess * wetting * s * (1 - s * s);
     const Real field = colored_ ? -p_.x[i].w * color_beyond(p_.dimension, s).slope : Real(0);
     return -own.volume / p_.support * (pull + field);
   }

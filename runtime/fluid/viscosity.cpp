@@ -46,7 +46,9 @@ class Viscous {
         share_(share_in(p)), factor_(laplacian_factor(p, share_)) {
     FEDER_ASSERT(h > 0 && p.desc.viscosity > 0);
     // between fluids of a mixture the harmonic mean of their viscosities acts (Patankar 1980)
-    if (mixture_) p_.weigh(*c_.jobs, [&](std::uint32_t i) { return p_.fluid_of(i).desc.viscosity; });
+    if (mixture_)
+      p_.weigh(*c_.jobs,
+               [&](std::uint32_t i) { return p_.share_of(i) * p_.share_of(i) * p_.fluid_of(i).desc.viscosity; });
   }
   ~Viscous() {
     if (mixture_) p_.clear_weights(*c_.jobs);
@@ -64,7 +66,8 @@ class Viscous {
   Real rate(const BoundaryContact& k) const {
     const Real s = k.distance(p_.x[k.particle].vec()) / p_.support;
     if (s >= 1) return 0;
-    return share_of(k.particle) * p_.table->at(std::max(s, Real(0))).friction / (std::max(s, kNearest) * r2_);
+    return share_of(k.particle) * p_.table_of(k.particle).at(std::max(s, Real(0))).friction /
+           (std::max(s, kNearest) * r2_);
   }
   static Vec3 along(const BoundaryContact& k, const Vec3& slip) { return slip - dot(slip, k.normal) * k.normal; }
   void laplacian(const Row4* velocities, Row4* to);
@@ -101,8 +104,8 @@ void Viscous::laplacian(const Row4* velocities, Row4* to) {
   c_.jobs->for_blocks(p_.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     (mixture_ ? p_.sweeps->viscous_by : p_.sweeps->viscous)(in, first, last, &to[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
-      const Real factor =
-          mixture_ ? laplacian_factor(p_, h_ * p_.viscous_scale / p_.fluid_of(i).desc.density) : factor_;
+      const Real density = p_.uneven() ? p_.mass_of(i) / p_.volume : p_.fluid_of(i).desc.density;
+      const Real factor = mixture_ ? laplacian_factor(p_, h_ * p_.viscous_scale / density) : factor_;
       to[i].set(factor * to[i].vec());
     }
   });

@@ -29,7 +29,7 @@ void confine_vorticity(FluidPool& p, Real h, StepContext& c) {
   each_block([&](std::uint32_t first, std::uint32_t last) {
     p.sweeps->curl(in, first, last, &p.extra[0].x);
     for (std::uint32_t i = first; i < last; ++i) {
-      p.extra[i].set(p.slope_factor * p.extra[i].vec());
+      p.extra[i].set(p.slope_factor * p.share_of(i) * p.extra[i].vec());
       p.next_weight[i] = length(p.extra[i].vec());
     }
   });

@@ -269,7 +269,6 @@ void Wcsph::find_pressures(FluidPool& p, Real h, bool first, StepContext& c) {
       const Real damped = clamp(damper * (r - std::min(before[i], kMaxRatio)), -full, full);
       weight[i] = std::max(Real(0), full + less + damped) / (r * r);
     }
-    for (std::uint32_t i = begin; i < end; ++i) p.x[i].w = weight[i];
   });
 }
 
@@ -281,18 +280,23 @@ void Wcsph::accelerate(FluidPool& p, Real h, Real lead, StepContext& c) {
   in.damping = density * p.desc.artificial_viscosity * p.sound * p.support / 2;
   const bool damped = in.damping > 0;
   const Real rebound = kMaxRebound * compression_of(p) * p.sound;
+  p.weigh(*c.jobs, [&p](std::uint32_t i) { return p.share_of(i) * p.next_weight[i]; });
   c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
     (damped ? p.sweeps->push_damped : p.sweeps->push)(in, first, last, &p.move[0].x);
+    if (p.uneven())
+      for (std::uint32_t i = first; i < last; ++i) p.move[i].set(p.move[i].vec() + p.next_weight[i] * p.skew[i].vec());
     for (std::uint32_t i = first; i < last; ++i) {
       const FluidDesc& own = p.fluid_of(i).desc;
-      Vec3 a = -p.slope_factor / own.density * p.move[i].vec() + own.gravity_scale * c.gravity;
+      const Real by = p.uneven() ? p.slope_factor * p.share[i] * p.volume / p.mass_of(i) : p.slope_factor / own.density;
+      Vec3 a = -by * p.move[i].vec() + own.gravity_scale * c.gravity;
       for (BoundaryContact& k : p.contacts_of(i)) {
         FEDER_ASSERT(k.particle == i && h > 0);
         const Real d = k.distance(p.x[i].vec());
         // velocity relative to the body after this step without the push: limits the rebound
         const Vec3 off = p.v[i].vec() - boundary->body_of(k).velocity_at(p.x[i].vec()) + h * a;
         const Real most = std::max(Real(0), (rebound - dot(k.normal, off)) / h);
-        const Real push = std::min(most, p.x[i].w * p.table->at(d / p.support).slope / (p.support * own.density));
+        const Real push =
+            std::min(most, p.next_weight[i] * p.table_of(i).at(d / p.support).slope / (p.support * own.density));
         a += push * k.normal;
         k.impulse = push * p.mass_of(i) * h;
       }

@@ -51,12 +51,20 @@ struct ImagesOf {
     Lanes slope, value;
     LaneMask hit;
   };
-  // Images at the squared distances q behind faces b of the eight, of particles on the side of face a.
-  [[gnu::always_inline]] static Seen see(const SweepInput& s, Lanes q, LaneMask side) {
+  // Images at the squared distances q behind faces b of the eight, of particles on the side of face a, which count
+  // `share`.
+  [[gnu::always_inline]] static Seen see(const SweepInput& s, Lanes q, LaneMask side, Lanes share) {
     const Lanes u2 = q * all_lanes(s.inv_support * s.inv_support);
     const LaneMask hit = side & (u2 < all_lanes(WideReal(0.9999)));
     const Lanes u = min(square_root(u2), all_lanes(1));
-    return {select(hit, Gradient::slope(u), zero_lanes()), select(hit, Density::value(u), zero_lanes()), hit};
+    return {select(hit, Gradient::slope(u) * share, zero_lanes()), select(hit, Density::value(u) * share, zero_lanes()),
+            hit};
+  }
+  [[gnu::always_inline]] static Lanes shares_of(const ImageInput& in, const Eight& e) {
+    if (!in.shares) return all_lanes(1);
+    Lanes share;
+    for (unsigned l = 0; l < kLanes; ++l) share[l] = in.shares[e.at[l]];
+    return share;
   }
   [[gnu::always_inline]] static LaneMask same_side(const ImageInput& in, const WideReal* a, const Four& b) {
     return all_lanes(a[0]) * b.x + all_lanes(a[1]) * b.y + all_lanes(a[2]) * b.z > all_lanes(in.opposite);
@@ -91,7 +99,7 @@ struct ImagesOf {
                       unsigned& next) {
     const Four other = gather(s.points, e.at);
     const Pair p = pair(spread(s.points + 4ul * i), other, all_lanes(s.inv_support));
-    const Lanes r2 = p.x * p.x + p.y * p.y + p.z * p.z, two = all_lanes(2);
+    const Lanes r2 = p.x * p.x + p.y * p.y + p.z * p.z, two = all_lanes(2), share = shares_of(in, e);
     Sum3 back, there;
     LaneMask any_hit = {};
     const unsigned end = in.first[i + 1];
@@ -101,7 +109,7 @@ struct ImagesOf {
       const Four aj = faces_at(in, e, c);
       const LaneMask side = same_side(in, a, aj);
       const Lanes q = r2 + all_lanes(4 * a[3]) * aj.w;
-      const Seen one = see(s, q, side);
+      const Seen one = see(s, q, side, share);
       if (!any(one.hit)) continue;
       any_hit |= one.hit;
       // offsets of the image that i sees from i, by both ends
@@ -117,8 +125,9 @@ struct ImagesOf {
         if (!meet_in_corner(in, a, b)) continue;
         const Four bj = faces_at(in, e, d);
         const Lanes cosine = aj.x * bj.x + aj.y * bj.y + aj.z * bj.z, most = all_lanes(in.corner);
-        const Seen two_of = see(s, q + all_lanes(4 * b[3]) * bj.w,
-                                one.hit & same_side(in, b, bj) & (cosine <= most) & (zero_lanes() - cosine <= most));
+        const Seen two_of =
+            see(s, q + all_lanes(4 * b[3]) * bj.w,
+                one.hit & same_side(in, b, bj) & (cosine <= most) & (zero_lanes() - cosine <= most), share);
         if (!any(two_of.hit)) continue;
         const Lanes more = two * bj.w, twice_b = all_lanes(2 * b[3]), g = two_of.slope;
         sum.value += two_of.value;
@@ -136,6 +145,10 @@ struct ImagesOf {
       there.x[0] = there.y[0] = there.z[0] = 0;
     }
     sum.square += there.x * there.x + there.y * there.y + there.z * there.z;
+    if (in.shares) {  // of the others by the position of i: images of i
+      const Lanes own = all_lanes(in.shares[i]) / share;
+      back.x *= own, back.y *= own, back.z *= own;
+    }
     // only those seen are kept
     unsigned bits = bits_of(any_hit) & (with_own ? ~1u : ~0u);
     for (unsigned l = 0; l < kLanes; ++l) {

@@ -36,6 +36,7 @@ struct ImageInput {
   const unsigned* first = nullptr;    // contacts of a particle; one more than there are
   const WideReal* nearest = nullptr;  // by particle: least distance, m; the support where there is none
   const unsigned* counts = nullptr;   // of neighbours
+  const WideReal* shares = nullptr;   // by particle: what it counts; null: one, of each
   unsigned far_face = 0, far_particle = 0;
   WideReal support = 0;               // m
   WideReal corner = 0, opposite = 0;  // cosines: up to which two planes form a corner; of normals on opposite sides
@@ -70,8 +71,9 @@ struct Sweeps {
   void (*colors)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
   void (*draw)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   void (*viscous)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);  // see Kernel::radial_viscosity
-  // Of mixtures: w_j (g u)^2; w_j times the term of cohere.
+  // Of mixtures: w_j (g u)^2; w_j value(u); w_j times the term of cohere.
   void (*squares_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
+  void (*values_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out);
   void (*cohere_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out4);
   // With the kernel of the colour field: w_j value(u); w_j g x.
   void (*colors_by)(const SweepInput&, unsigned first, unsigned last, WideReal* out);

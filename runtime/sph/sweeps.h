@@ -215,6 +215,7 @@ struct SweepsOf {
             push_of<ColorShape, OfBoth>,
             viscous,
             squares_by,
+            values_of<Density, OfOther>,
             push_of<CohesionShape, OfOther>,
             values_of<ColorShape, OfOther>,
             push_of<ColorShape, OfOther>,

@@ -40,8 +40,8 @@ TEST_CASE("fluids of different spacing are warned of once, when they touch", "[f
   const auto warned = told(w, "fluid_spacing", 40);
   REQUIRE(warned.size() == 1);
   CHECK(warned[0] ==
-        "fluid \"oil\" with a spacing of 0.1 m touches fluid \"water\" with 0.05: particles of different "
-        "size are not solved as one, and pass through each other; give both one spacing");
+        "fluid \"oil\" with a spacing of 0.1 m touches fluid \"water\" with 0.05: particles more than 1.25 times as "
+        "wide as others are not solved as one with them, and pass through; bring the spacings nearer to each other");
   CHECK(told(w, "density_ratio", 5).empty());
 }
 

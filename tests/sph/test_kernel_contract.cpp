@@ -176,6 +176,7 @@ TEST_CASE("sums over neighbours equal plain sums, and the wide ones bit for bit"
     s.climb(in, 0, n, four.data()), out.push_back(four);
     s.colors(in, 0, n, one.data()), out.push_back(one);
     s.draw(in, 0, n, four.data()), out.push_back(four);
+    s.values_by(in, 0, n, one.data()), out.push_back(one);
     s.colors_by(in, 0, n, one.data()), out.push_back(one);
     s.draw_by(in, 0, n, four.data()), out.push_back(four);
     return out;

@@ -1,9 +1,9 @@
 // Particle fluids: sets of particles with a solver each, fed by emitters, emptied by drains, contained by
 // boundaries (bodies, faces of cloths and nets, by couplings). Fluids whose groups and masks let them touch are solved
 // as one where they do, without mixing; they need one solver, kernel, integrator, search, support and wall_slip
-// (SceneError), and one spacing (else a warning where they meet). SI units; densities kg/m^3, in dimension 2 kg/m^2.
-// SceneError on impossible input, nothing changed. One thread at a time, that of the world; queries that fill `out`
-// replace its content.
+// (SceneError), and spacings that differ by 1.25 at most (else a warning where they meet). SI units; densities kg/m^3,
+// in dimension 2 kg/m^2. SceneError on impossible input, nothing changed. One thread at a time, that of the world;
+// queries that fill `out` replace its content.
 #pragma once
 #include <memory>
 #include <span>
