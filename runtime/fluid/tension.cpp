@@ -2,7 +2,8 @@
 //  - cohesion: neighbours attract each other, strongest at half the support (Akinci, Akinci & Teschner 2013), with the
 //    strength that gives a sharp surface the wanted tension (Kirkwood & Buff 1949, pool.cpp).
 //    Weak spot: it presses particles together like sand, everywhere: those of dfsph and pbf order themselves to a
-//    lattice that swings too little, with periods that scatter by a third.
+//    lattice that swings too little, with periods that scatter by a third, and the pressure of a drop is what that
+//    lattice was left with, -2 to 10 of Laplace's. (So is the stress of the pairs, which the forces balance: -3 to 7.)
 //  - color_field: an energy at the surface. What the smoothed colour field (Mueller, Charypar & Gross 2003), the share
 //    of the kernel that is full, lacks to one costs K lack^3 in every particle; K is such that a flat face of a lattice
 //    has the wanted energy per area. Forces are the derivatives of that energy: a potential of many bodies (as in
@@ -13,10 +14,11 @@
 //    normals: where pressure does not pull, drops evaporate, as lone particles and lines of them have n = 0; held by a
 //    share of cohesion they lose a third of their swing in half a period. Smoothing the colour twice, other powers and
 //    kernels: periods scatter more. Weak spot: how far the outermost layer is crowded depends on what a solver leaves
-//    (kSettled in pool.cpp), and particles gather to strings unless a solver keeps them apart (dfsph.cpp). What a
-//    fluid finds of another one counts as full by a share of 1 - (sigma_ab / (sigma_a + sigma_b))^(1/3): a face between
-//    the two has sigma_ab, and a gap between them costs more. Tried: an energy of its own of what is full of the other
-//    one, cubed: the two repel each other and part.
+//    (kSettled in pool.cpp): in drops that viscosity has brought to rest, whose outermost layer cannot change its
+//    number, the pressure is 1.7 to 2.1 of Laplace's in the plane, 1.4 in space; and particles gather to strings unless
+//    a solver keeps them apart (dfsph.cpp). What a fluid finds of another one counts as full by a share of 1 -
+//    (sigma_ab / (sigma_a + sigma_b))^(1/3): a face between the two has sigma_ab, and a gap between them costs more.
+//    Tried: an energy of its own of what is full of the other one, cubed: the two repel each other and part.
 // The boundary attracts by the work of adhesion, sigma (1 + cos angle) (Dupre 1869, Young 1805), spread over the
 // support; without one it does not attract: such fluids with tension do not wet. Weak spot: particles at a wall stick
 // where they are. With the colour field a drop that spreads stops 10 to 16 degrees above an angle of 60, one that
