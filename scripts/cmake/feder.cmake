@@ -1,10 +1,12 @@
 # One set of compile flags, and the words that add things:
 #   feder_module(name [APART] SOURCES a.cpp ... NEEDS base ...)   a static library feder_<name>; APART: see pch.cmake
-#   feder_variant(module name [FILE file.cpp])                    one source and one row of the module's table
+#   feder_variant(module name [FILE file.cpp] [TABLE table])      one source and one row of the module's table, or of
+#                                                                 another one that feder_module(... TABLES table) has
 #   feder_pair(a b)                                               the same for a narrow-phase pair test
 #   feder_system(module Class header)                             a row of the catalog and of the built feder/systems.h
 # A variant is a function `Row <module>_<name>();` in namespace feder; the module's registry.cpp includes the
-# generated <module>_declare.inc (declarations) and <module>_rows.inc (rows, in the order of the lines).
+# generated <module>_declare.inc (declarations) and <module>_rows.inc (rows, in the order of the lines); those of another
+# table are RowOf<table>, in <module>_<table>_declare.inc and <module>_<table>_rows.inc.
 
 include(${CMAKE_CURRENT_LIST_DIR}/pch.cmake)
 include(${CMAKE_CURRENT_LIST_DIR}/without.cmake)
@@ -95,7 +97,7 @@ function(feder_left_out out name)
 endfunction()
 
 function(feder_module name)
-  cmake_parse_arguments(M "APART" "ROOT" "SOURCES;NEEDS" ${ARGN})
+  cmake_parse_arguments(M "APART" "ROOT" "SOURCES;NEEDS;TABLES" ${ARGN})
   feder_known(${name})
   feder_left_out(left_out ${name})
   if(left_out)
@@ -124,14 +126,18 @@ function(feder_module name)
   set_property(GLOBAL PROPERTY FEDER_NEEDS_${name} ${M_NEEDS})
   set_property(GLOBAL PROPERTY FEDER_DECLARE_${name} "")
   set_property(GLOBAL PROPERTY FEDER_ROWS_${name} "")
-  file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}_declare.inc
-       CONTENT "$<JOIN:$<TARGET_PROPERTY:${target},FEDER_DECLARE>,\n>\n")
-  file(GENERATE OUTPUT ${CMAKE_CURRENT_BINARY_DIR}/${name}_rows.inc
-       CONTENT "$<JOIN:$<TARGET_PROPERTY:${target},FEDER_ROWS>,\n>\n")
+  foreach(table "" ${M_TABLES})
+    set(file ${CMAKE_CURRENT_BINARY_DIR}/${name})
+    if(table)
+      set(file ${file}_${table})
+    endif()
+    file(GENERATE OUTPUT ${file}_declare.inc CONTENT "$<JOIN:$<TARGET_PROPERTY:${target},FEDER_DECLARE${table}>,\n>\n")
+    file(GENERATE OUTPUT ${file}_rows.inc CONTENT "$<JOIN:$<TARGET_PROPERTY:${target},FEDER_ROWS${table}>,\n>\n")
+  endforeach()
 endfunction()
 
 function(feder_variant module name)
-  cmake_parse_arguments(V "" "FILE" "" ${ARGN})
+  cmake_parse_arguments(V "" "FILE;TABLE" "" ${ARGN})
   feder_known(${module}.${name})
   feder_left_out(module_out ${module})
   feder_left_out(variant_out ${module}.${name})
@@ -141,9 +147,13 @@ function(feder_variant module name)
   if(NOT V_FILE)
     set(V_FILE ${name}.cpp)
   endif()
+  set(row Row)
+  if(V_TABLE)
+    set(row RowOf${V_TABLE})
+  endif()
   target_sources(feder_${module} PRIVATE ${CMAKE_CURRENT_SOURCE_DIR}/${V_FILE})
-  set_property(TARGET feder_${module} APPEND PROPERTY FEDER_DECLARE "Row ${module}_${name}()\;")
-  set_property(TARGET feder_${module} APPEND PROPERTY FEDER_ROWS "${module}_${name}(),")
+  set_property(TARGET feder_${module} APPEND PROPERTY FEDER_DECLARE${V_TABLE} "${row} ${module}_${name}()\;")
+  set_property(TARGET feder_${module} APPEND PROPERTY FEDER_ROWS${V_TABLE} "${module}_${name}(),")
 endfunction()
 
 function(feder_system module class header)

@@ -2,13 +2,14 @@
 // outside any face, replacing the faces that see it. Then triangles in one plane merge into polygons, and corners on
 // their edges or inside them go. Corners nearer than kThin of the size to a face are not outside; faces merge within
 // kFlat. Weak spot: points spread evenly on a sphere are all corners, and more than kMaxHullCorners are refused.
+#include "bounds/quickhull.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include "base/double3.h"
 #include "feder/error.h"
-#include "geom/hull.h"
 
 namespace feder {
 namespace {
