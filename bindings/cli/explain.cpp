@@ -74,7 +74,8 @@ class Explain final : public Command {
     World& world = *session.world();
     report::Json systems = report::Json::array(), plan = report::Json::array();
     for (const SystemReport& s : world.report())
-      systems.push_back({{"name", s.name}, {"count", s.count}, {"unit", s.units}, {"bytes", s.bytes}});
+      systems.push_back(
+          {{"name", s.name}, {"count", s.count}, {"unit", s.units}, {"bytes", s.bytes}, {"notes", s.notes}});
     const double sum = world.plan().total_nanoseconds();
     const double per_step = steps ? 1e-6 / static_cast<double>(steps) : 0;
     for (const PlanNode& n : world.plan().nodes()) {
@@ -113,6 +114,10 @@ class Explain final : public Command {
     std::string out = session.title() + "\n\n" + systems.text("  ") + "\n";
     if (!absent.empty()) out += absent.text("  ") + "\n";
     out += memory.text("  ") + "\n";
+    bool noted = false;
+    for (const SystemReport& s : world.report())
+      for (const std::string& note : s.notes) out += "  " + s.name + ": " + note + "\n", noted = true;
+    if (noted) out += "\n";
     const std::vector<lua::Advice> advice = session.script().advice();
     for (const lua::Advice& a : advice) out += "  " + a.text + "\n";
     if (!advice.empty()) out += "\n";

@@ -52,14 +52,18 @@ constexpr Option<CompoundPart> kPart[] = {
 
 using Surfaces = std::vector<ShapeSurface>;
 
-void read_surfaces(Options& o, const OptionRow& row, Surfaces& all) {
+void read_surfaces(Options& o, const OptionRow& row, MeshOptions& m) {
   if (!o.push(row.name, LUA_TTABLE, "a list of { friction =, ... }")) return;
-  all = check_surfaces(o.L(), -1, o.path(row.name));
+  m.surfaces = check_surfaces(o.L(), -1, o.path(row.name));
   lua_pop(o.L(), 1);
 }
 
-constexpr Option<Surfaces> kMesh[] = {
+constexpr Option<MeshOptions> kMesh[] = {
     {{.name = "surfaces"}, "list of {friction =, ...}", read_surfaces, nullptr, rows_of<kSurface>},
+    field<&MeshOptions::index>("index").of(mesh_index_names).unset(),
+    field<&MeshOptions::volume>("volume").of(bounding_volume_names).unset(),
+    field<&MeshOptions::build>("build").of(tree_build_names).unset(),
+    field<&MeshOptions::leaf>("leaf", "", {1, 64}).unset(),
 };
 
 bool states(const ShapeSurface& s) {
@@ -81,8 +85,8 @@ std::vector<ShapeSurface> check_surfaces(lua_State* L, int index, const std::str
   return all;
 }
 
-std::vector<ShapeSurface> check_mesh_options(lua_State* L, int index) {
-  Surfaces all;
+MeshOptions check_mesh_options(lua_State* L, int index) {
+  MeshOptions all;
   if (!lua_isnoneornil(L, index)) Options(L, index, function_name(L)).read(kMesh, all);
   return all;
 }

@@ -9,8 +9,11 @@ namespace feder::lua {
 std::vector<ShapeSurface> check_surfaces(lua_State* L, int index, const std::string& what);
 // Parts of a compound, and the surfaces that they name.
 std::vector<CompoundPart> check_parts(lua_State* L, int index, std::vector<ShapeSurface>& surfaces);
-// { surfaces = }, behind the triangles of a mesh.
-std::vector<ShapeSurface> check_mesh_options(lua_State* L, int index);
+// { surfaces =, index = ... }, behind the triangles of a mesh.
+struct MeshOptions : MeshIndex {
+  std::vector<ShapeSurface> surfaces;
+};
+MeshOptions check_mesh_options(lua_State* L, int index);
 // Triangles {i, j, k} or {i, j, k, s}, counting from 1; `of`: a surface per triangle where there are surfaces.
 std::vector<std::uint32_t> check_triangles(lua_State* L, int index, std::size_t vertices, std::size_t surfaces,
                                            std::vector<SurfaceNumber>& of);

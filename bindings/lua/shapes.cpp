@@ -68,7 +68,11 @@ int feder_shape(lua_State* L) {
         break;
       case ShapeArgumentType::triangles: triangles_at = index; break;
       case ShapeArgumentType::parts: parts = check_parts(L, index, surfaces); break;
-      case ShapeArgumentType::surfaces: surfaces = check_mesh_options(L, index); break;
+      case ShapeArgumentType::surfaces: {
+        MeshOptions options = check_mesh_options(L, index);
+        surfaces = std::move(options.surfaces), in.mesh_index = options;
+        break;
+      }
     }
   }
   if (triangles_at > 0)  // which name points and surfaces

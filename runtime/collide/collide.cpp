@@ -48,6 +48,19 @@ void Collide::residuals(std::vector<Residual>& out) const {
   out.push_back({"collide.max_penetration_m", static_cast<double>(max_penetration())});
 }
 
+void Collide::notes(std::vector<Note>& out) const {
+  const Colliders& c = *impl_->colliders;
+  std::vector<const Shape*> known;
+  for (std::uint32_t i = 0; i < c.shape.size(); ++i) {
+    const Shape* shape = c.shape[i];
+    if (!shape || std::find(known.begin(), known.end(), shape) != known.end()) continue;
+    const std::string index = shape->describe_index();
+    if (index.empty()) continue;
+    known.push_back(shape);
+    out.push_back({c.object[i], "mesh: " + index});
+  }
+}
+
 namespace {
 
 // Position of the pair in the sorted list, or where it would be inserted.

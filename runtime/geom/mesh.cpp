@@ -1,15 +1,18 @@
 // Triangle mesh: static, a surface without inside. A hierarchy of boxes (triangles are stored in its order, so visits
-// are ascending), and per edge what the neighbour does, so that contacts do not catch on seams. Corners at the same
-// place are one corner; triangles without area are dropped.
-// Source of rays: Moeller and Trumbore 1997. Weak spot: no inside, so what has passed the surface is on its other side.
+// are ascending) or another index (mesh_index.h), and per edge what the neighbour does, so that contacts do not catch
+// on seams. Corners at the same place are one corner; triangles without area are dropped. Source of rays: Moeller and
+// Trumbore 1997. Weak spot: no inside, so what has passed the surface is on its other side.
 #include <algorithm>
 #include <numeric>
 #include <tuple>
 
 #include "bounds/box_tree.h"
+#include "bounds/volume.h"
 #include "feder/error.h"
+#include "feder/params.h"
 #include "feder/shape.h"
 #include "geom/closest.h"
+#include "geom/mesh_index.h"
 #include "geom/surfaces.h"
 
 namespace feder {
@@ -47,7 +50,7 @@ bool ray_meets(const Aabb& box, const Vec3& o, const Vec3& d, Real limit) {
 
 class Mesh final : public Shape {
  public:
-  Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleSurfaces surfaces);
+  Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleSurfaces surfaces, const MeshIndex& choice);
 
   Aabb bounds(const Pose& pose) const override {
     Aabb box;
@@ -66,20 +69,34 @@ class Mesh final : public Shape {
   void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const override;
   const Triangle& triangle(std::uint32_t i) const override { return triangles_[i]; }
   std::span<const ShapeSurface> surfaces() const override { return surfaces_; }
+  std::string describe_index() const override;
 
  private:
   void find_neighbors(std::span<const Corners> corners);
+  void make_index();
+  template <class F>
+  void each_along(const Vec3& origin, const Vec3& ray, const Real& best, F&& visit) const;
 
   std::vector<Vec3> vertices_;
   std::vector<std::uint32_t> given_;  // by triangle: which it was of those given
   std::vector<Triangle> triangles_;   // in the order of the hierarchy's leaves; contacts read one at once
   std::vector<ShapeSurface> surfaces_;
   Arena arena_{"mesh"};
-  BoxTree tree_{arena_};
+  BoxTree tree_{arena_};  // of the boxes of the triangles; empty where another index is chosen
+  MeshIndex choice_;
+  std::unique_ptr<TriangleIndex> index_;  // that one
 };
 
-Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleSurfaces surfaces)
-    : Shape("mesh", false), vertices_(std::move(vertices)), surfaces_(std::move(surfaces.list)) {
+// Of queries of an index: what it found. By thread, so that queries allocate nothing once it has its size.
+std::vector<std::uint32_t>& found_buffer() {
+  thread_local std::vector<std::uint32_t> list;
+  list.clear();
+  return list;
+}
+
+Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleSurfaces surfaces,
+           const MeshIndex& choice)
+    : Shape("mesh", false), vertices_(std::move(vertices)), surfaces_(std::move(surfaces.list)), choice_(choice) {
   std::vector<Aabb> boxes;
   boxes.reserve(triangles.size());
   for (const Corners& c : triangles) {
@@ -98,6 +115,28 @@ Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleS
   }
   tree_.number_in_order();
   find_neighbors(corners);
+  if (choice_.chosen()) make_index();
+}
+
+// Triangles keep the order of the boxes' hierarchy, so contacts come in the same order with any index.
+void Mesh::make_index() {
+  std::vector<Vec3> corners;
+  corners.reserve(3 * triangles_.size());
+  for (const Triangle& t : triangles_) corners.insert(corners.end(), {t.a, t.b, t.c});
+  index_ = find_variant(triangle_indexes(), choice_.index.empty() ? "bvh" : choice_.index, "mesh index")
+               .make(corners, choice_);
+  tree_.build({});
+}
+
+std::string Mesh::describe_index() const {
+  const auto number = [](std::size_t n) { return std::to_string(n); };
+  std::string text = choice_.index.empty() ? "bvh" : choice_.index;
+  if (text == "bvh")
+    text += " of " + (choice_.volume.empty() ? std::string("aabb") : choice_.volume) + ", " +
+            (choice_.build.empty() ? std::string("top_down") : choice_.build);
+  if (choice_.leaf > 0) text += ", leaf " + number(choice_.leaf);
+  return text + ", " + number(triangles_.size()) + (triangles_.size() == 1 ? " triangle" : " triangles") +
+         (index_ ? ", " + number((index_->bytes() + 1023) / 1024) + " KiB" : "");
 }
 
 void Mesh::find_neighbors(std::span<const Corners> corners) {
@@ -154,7 +193,7 @@ ShapeArguments Mesh::arguments() const {
     std::uint32_t* to = &out.triangles[3 * std::size_t(given_[k])];
     to[0] = number_of(triangles_[k].a), to[1] = number_of(triangles_[k].b), to[2] = number_of(triangles_[k].c);
   }
-  out.surfaces = surfaces_;
+  out.surfaces = surfaces_, out.mesh_index = choice_;
   if (surfaces_.empty()) return out;
   out.triangle_surfaces.resize(triangles_.size());
   for (std::size_t k = 0; k < triangles_.size(); ++k) out.triangle_surfaces[given_[k]] = triangles_[k].surface;
@@ -178,8 +217,19 @@ bool Mesh::raycast(const Vec3& o, const Vec3& d, RayHit& hit) const {
     const Vec3 n = normalized_or(cross(ab, ac), Vec3::Zero());
     hit = {t, dot(n, d) > 0 ? Vec3(-n) : n};
   };
-  tree_.query_if([&](const Aabb& box) { return ray_meets(box, o, d, best); }, meet);
+  each_along(o, d, best, meet);
   return found;
+}
+
+// Of the triangles whose boxes the ray may meet before `best`, which visits may bring nearer.
+template <class F>
+void Mesh::each_along(const Vec3& origin, const Vec3& ray, const Real& best, F&& visit) const {
+  if (!index_) return tree_.query_if([&](const Aabb& box) { return ray_meets(box, origin, ray, best); }, visit);
+  std::vector<std::uint32_t>& list = found_buffer();
+  index_->find_ray(origin, ray, list);
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+  for (const std::uint32_t i : list) visit(i);
 }
 
 Real Mesh::distance(const Vec3& p, Real limit, Vec3& normal) const {
@@ -211,7 +261,17 @@ Real Mesh::distance(const Vec3& p, Real limit, Vec3& normal) const {
 }
 
 void Mesh::triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const {
-  tree_.query(local, [&](std::uint32_t i) { visit(context, i); });
+  if (!index_) return tree_.query(local, [&](std::uint32_t i) { visit(context, i); });
+  std::vector<std::uint32_t>& list = found_buffer();
+  index_->find(local, list);
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+  for (std::size_t k = 0; k < list.size(); ++k) {
+    const Triangle& t = triangles_[list[k]];
+    Aabb box{t.a, t.a};
+    box.include(t.b), box.include(t.c);
+    if (overlaps(box, local)) visit(context, list[k]);
+  }
 }
 
 // The different places among them, in the order in which they come first; returns the number of each.
@@ -236,6 +296,15 @@ std::vector<std::uint32_t> number_places(std::span<const Vec3> vertices, std::ve
     places.push_back(vertices[i]);
   }
   return number;
+}
+
+void check_index(const MeshIndex& c) {
+  const std::string index = c.index.empty() ? "bvh" : c.index;
+  find_variant(triangle_indexes(), index, "mesh index");
+  if (index != "bvh" && (!c.volume.empty() || !c.build.empty()))
+    throw SceneError("mesh: volume and build are those of index = \"bvh\", got index = \"" + index + "\"");
+  if (!c.volume.empty()) bounding_volume(c.volume);
+  if (!c.build.empty()) tree_build(c.build);
 }
 
 ShapePtr make(const ShapeInput& in) {
@@ -274,7 +343,8 @@ ShapePtr make(const ShapeInput& in) {
     if (differs) surfaces.of.push_back(in.triangle_surfaces[i / 3]);
   }
   if (kept.empty()) throw SceneError("mesh: no triangle has an area");
-  return std::make_shared<Mesh>(std::move(points), std::move(kept), std::move(surfaces));
+  check_index(in.mesh_index);
+  return std::make_shared<Mesh>(std::move(points), std::move(kept), std::move(surfaces), in.mesh_index);
 }
 
 }  // namespace
@@ -282,7 +352,7 @@ ShapePtr make(const ShapeInput& in) {
 ShapeKind geom_mesh() {
   return {
       "mesh",
-      "(vertices, triangles, [{ surfaces = }])",
+      "(vertices, triangles, [{ surfaces =, index =, volume =, build =, leaf = }])",
       "static triangles {i, j, k}, counting from 1; {i, j, k, s} has the surface surfaces[s] in place of the body's",
       {{"vertices", ShapeArgumentType::points},
        {"triangles", ShapeArgumentType::triangles},

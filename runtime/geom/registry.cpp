@@ -1,14 +1,19 @@
-// The table of shape kinds, generated from the feder_variant(geom ...) lines.
+// The tables of shape kinds and of indices of meshes, generated from the feder_variant(geom ...) lines.
 #include <algorithm>
 #include <cstring>
 
+#include "bounds/volume.h"
 #include "feder/error.h"
+#include "feder/params.h"
 #include "feder/shape.h"
+#include "geom/mesh_index.h"
 
 namespace feder {
 
 using Row = ShapeKind;
 #include "geom_declare.inc"
+using RowOfindexes = TriangleIndexKind;
+#include "geom_indexes_declare.inc"
 
 std::span<const ShapeKind> shape_kinds() {
   static const std::initializer_list<ShapeKind> table = {
@@ -16,6 +21,17 @@ std::span<const ShapeKind> shape_kinds() {
   };
   return {table.begin(), table.size()};
 }
+
+std::span<const TriangleIndexKind> triangle_indexes() {
+  static const std::initializer_list<TriangleIndexKind> table = {
+#include "geom_indexes_rows.inc"
+  };
+  return {table.begin(), table.size()};
+}
+
+std::string mesh_index_names() { return variant_names(triangle_indexes()); }
+std::string bounding_volume_names() { return variant_names(bounding_volumes()); }
+std::string tree_build_names() { return variant_names(tree_builds()); }
 
 int shape_kind_id(const char* name) {
   int id = 0;

@@ -336,7 +336,10 @@ std::vector<KindCount> World::counts() const {
 std::vector<SystemReport> World::report() const {
   std::vector<SystemReport> rows;
   for (const Present& p : systems_) {
-    SystemReport r{p.descriptor->name, p.descriptor->units, p.system->count(), 0};
+    SystemReport r{p.descriptor->name, p.descriptor->units, p.system->count(), 0, {}};
+    std::vector<Note> notes;
+    p.system->notes(notes);
+    for (const Note& note : notes) r.notes.push_back(objects_.describe(note.object) + ": " + note.text);
     for (const auto& a : store_.arenas())
       if (a->name() == r.name) r.bytes = a->bytes();
     rows.push_back(std::move(r));

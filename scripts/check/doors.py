@@ -30,10 +30,11 @@ ELSEWHERE = {"springs": {"bindings/view/toggles.cpp", "bindings/view/export_gltf
 # A variant's name in quotes is its own only where its family is named too: "drag" is an option of cloth elsewhere.
 FAMILY = {"forces": "force_kinds", "constrain": "joint_kinds", "broad": "broad_phases", "rigid": "rigid_solver",
           "cloth": "cloth_solver", "fluid": "fluid_solver", "integrate": r"integrators\b",
-          "neighbors": "neighbor_searches"}
+          "neighbors": "neighbor_searches", "bounds": "bounding_volumes", "bounds.builds": "tree_builds",
+          "geom.indexes": "triangle_indexes"}
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
 HASH_COMMENT = re.compile(r"#[^\n]*")
-VARIANT = re.compile(r"^\s*feder_variant\((\w+) (\w+)", re.M)
+VARIANT = re.compile(r"^\s*feder_variant\((\w+) (\w+)(?: TABLE (\w+))?", re.M)
 SYSTEM = re.compile(r"class (\w+) final : public System\b")
 COUPLING = re.compile(r'class (\w+) final : public System \{.*?kName = "(\w+)"', re.S)
 
@@ -80,19 +81,19 @@ def things():
         if folder in ("study", "sph"):  # problems and kernels are made in loops over names
             continue
         variants = VARIANT.findall(path.read_text())
-        shapes = {name for module, name in variants if module == "geom"} | {"frustum"}
-        for module, name in variants:
-            kind = {"geom": "shape", "constrain": "joint"}.get(module, "variant")
+        shapes = {name for module, name, table in variants if module == "geom" and not table} | {"frustum"}
+        for module, name, table in variants:
+            kind = "variant" if table else {"geom": "shape", "constrain": "joint"}.get(module, "variant")
             pattern = rf'{module}/{name}\.h"|\b{module}_{name}\b'
             if kind == "shape":  # a test of a pair of shapes is a door of its own; a shape may be made of others
                 pattern += rf'|"{name}"|\bmake_{name}\b|\b{pascal(name)}Shape\b'
                 own = lambda p, n=name, all=shapes: (
                     p.startswith("runtime/geom/") and (words(p) & all or p.endswith("CMakeLists.txt")) or
-                    p.startswith("runtime/narrow/") and n in p or p.startswith("bindings/") and n in words(p))
+                    p == f"runtime/bounds/{n}.cpp" or p.startswith("runtime/narrow/") and n in p or p.startswith("bindings/") and n in words(p))
                 yield kind, f"{module}.{name}", pattern, own, None
                 continue
-            own = lambda p, f=f"runtime/{folder}/", n=name: p.startswith(f) and (n in p or p.endswith("CMakeLists.txt"))
-            yield kind, f"{module}.{name}", pattern, own, re.compile(FAMILY[module])
+            own = lambda p, f=f"runtime/{folder}/", n=name: p.startswith(f) and (n.rstrip("0123456789") in p or p.endswith("CMakeLists.txt"))
+            yield kind, f"{module}.{name}", pattern, own, re.compile(FAMILY[f"{module}.{table}" if table else module])
 
 
 def count():

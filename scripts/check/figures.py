@@ -261,12 +261,16 @@ def variants(_feder, _folder):
     rows = ["| family | variants | contract |", "|---|---|---|"]
     for path in sorted((ROOT / "runtime").glob("*/CMakeLists.txt")):
         family, text = path.parent.name, path.read_text()
-        names = re.findall(rf"^feder_(?:variant\({family} |kernel\()(\w+)", text, re.M)
+        lines = re.findall(rf"^feder_(?:variant\({family} |kernel\()(\w+)(?: TABLE (\w+))?", text, re.M)
+        names = [name for name, table in lines if not table]
         names += [f"{a}_{b}" for a, b in re.findall(r"^feder_pair\((\w+) (\w+)\)", text, re.M)]
         tests = sorted(t.name for t in (ROOT / "tests" / family).glob("test_*contract.cpp"))
         if names:
             tests = ", ".join(f"`tests/{family}/{t}`" for t in tests) or f"`tests/{family}`"
             rows.append(f"| `{family}` | {', '.join(f'`{n}`' for n in names)} | {tests} |")
+        for table in dict.fromkeys(t for _, t in lines if t):
+            own = ", ".join(f"`{n}`" for n, t in lines if t == table)
+            rows.append(f"| `{family}`, {table} | {own} | `tests/{family}` |")
     return "\n".join(rows)
 
 
@@ -308,7 +312,7 @@ def api(_feder, _folder):
             owner = re.search(r"(\w+)[.:]\w", joined(signature))[1]
             says = re.sub(r";? ?see section \d( of the API)?", "", joined(doc)) or "options above"
             owners.setdefault(OWNERS.get(owner, owner), []).append(f"- `{joined(signature)}`: {says}")
-    for kind in re.findall(r"^feder_variant\(geom (\w+)", (ROOT / "runtime/geom/CMakeLists.txt").read_text(), re.M):
+    for kind in re.findall(r"^feder_variant\(geom (\w+)\)", (ROOT / "runtime/geom/CMakeLists.txt").read_text(), re.M):
         source = (ROOT / f"runtime/geom/{kind}.cpp").read_text()
         usage, says = re.search(rf'return \{{\s*"{kind}",\s*"([^"]*)",\s*"([^"]*)"', source).groups()
         owners["feder"].append(f"- `feder.{kind}{usage} -> shape`: {says}")

@@ -212,6 +212,20 @@ TEST_CASE("explain lists what is used and names the rest", "[cli]") {
   CHECK(text.out.find("rigid") != std::string::npos);
 }
 
+TEST_CASE("explain tells how meshes find their triangles", "[cli]") {
+  const Program p;
+  p.write("land.lua", scene("local land = feder.mesh({ {0,0,0}, {5,0,0}, {0,0,5} }, { {1,3,2} }, "
+                            "{ volume = 'obb', build = 'sah' }) "
+                            "for i = 1, 2 do world:body { name = 'land', type = 'static', shape = land } end "));
+  const auto j = p.run("explain land.lua --json").json();
+  std::vector<std::string> notes;
+  for (const auto& s : j["systems"])
+    if (s["name"] == "collide") notes = s["notes"].get<std::vector<std::string>>();
+  REQUIRE(notes.size() == 1);  // one shape of two bodies
+  CHECK(notes[0].find("body \"land\": mesh: bvh of obb, sah, 1 triangle") == 0);
+  CHECK(p.run("explain land.lua").out.find("collide: body \"land\": mesh: bvh") != std::string::npos);
+}
+
 TEST_CASE("bench reports minimum, median and maximum, and compares", "[cli]") {
   const Program p;
   p.write("ball.lua", scene(kBall));

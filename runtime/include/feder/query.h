@@ -52,6 +52,7 @@ class Collide final : public System, public ContactService {
   void save(Writer& w) const override;
   void load(Reader& r) override;
   void residuals(std::vector<Residual>& out) const override;  // collide.max_penetration_m
+  void notes(std::vector<Note>& out) const override;          // how meshes find their triangles
   void validate() const override;
 
   Colliders& colliders();

@@ -85,6 +85,24 @@ inline constexpr int kMaxFacePoints = 32;
 class Shape;
 using ShapePtr = std::shared_ptr<const Shape>;
 
+// How a mesh finds its triangles. Results have the same bits with any of them; which is fastest depends on the mesh.
+struct MeshIndex {
+  std::string index = {};   // "bvh", "grid", "kd_tree", "octree"; "": "bvh" of boxes, built for contacts
+  std::string volume = {};  // of "bvh": a bounding volume
+  std::string build = {};   // of "bvh": how it is built
+  std::uint32_t leaf = 0;   // triangles in a leaf or cell; 0: the index chooses
+  bool chosen() const { return !index.empty() || !volume.empty() || !build.empty() || leaf > 0; }
+
+  template <class S, class F>
+  static void each_field(S& s, F&& f) {
+    f(s.index), f(s.volume), f(s.build), f(s.leaf);
+  }
+};
+// Names of this build: "a, b".
+std::string mesh_index_names();
+std::string bounding_volume_names();
+std::string tree_build_names();
+
 struct CompoundPart {
   ShapePtr shape;
   Pose pose;
@@ -101,6 +119,7 @@ struct ShapeArguments {
   std::vector<CompoundPart> parts = {};
   std::vector<ShapeSurface> surfaces = {};
   std::vector<SurfaceNumber> triangle_surfaces = {};  // one per triangle, or none
+  MeshIndex mesh_index = {};
   ShapeInput input() const;
 };
 
@@ -135,6 +154,8 @@ class Shape {
   // ascending order.
   virtual void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const;
   virtual const Triangle& triangle(std::uint32_t index) const;
+  // Meshes only: "bvh of obb, sah, 20000 triangles, 1.2 MB", for reports.
+  virtual std::string describe_index() const { return {}; }
 
   // The half-space n.x <= d, n unit: true and both for a plane.
   virtual bool half_space(Vec3& /*normal*/, Real& /*distance*/) const { return false; }
@@ -172,11 +193,12 @@ struct ShapeInput {
   std::span<const CompoundPart> parts = {};
   std::span<const ShapeSurface> surfaces = {};
   std::span<const SurfaceNumber> triangle_surfaces = {};  // one per triangle, or none
+  MeshIndex mesh_index = {};
   Real size(std::size_t k) const { return static_cast<Real>(sizes[k]); }
 };
 
 inline ShapeInput ShapeArguments::input() const {
-  return {sizes, direction, points, triangles, parts, surfaces, triangle_surfaces};
+  return {sizes, direction, points, triangles, parts, surfaces, triangle_surfaces, mesh_index};
 }
 
 // surfaces: of the triangles before it.

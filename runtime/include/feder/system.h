@@ -33,6 +33,10 @@ struct Residual {
   std::string name;
   double value = 0;
 };
+struct Note {
+  ObjectId object;
+  std::string text;
+};
 
 // Finds the systems a system needs: `find` gives null when absent.
 class System;
@@ -67,6 +71,7 @@ class System {
   virtual Energy energy(const Vec3& /*gravity*/) const { return {}; }
   virtual Momentum momentum() const { return {}; }
   virtual void residuals(std::vector<Residual>& /*out*/) const {}
+  virtual void notes(std::vector<Note>& /*out*/) const {}  // what it chose for objects, for `explain`
   virtual bool finite() const { return true; }
   // Walks the system's structures and asserts what holds between steps (feder/error.h). After each step where asserts
   // are on: dev, fuzz, asan, tsan.

@@ -43,9 +43,10 @@ struct Executor {
 
 struct SystemReport {
   std::string name;
-  std::string units;      // "bodies", "points" ...
-  std::size_t count = 0;  // of them
-  std::size_t bytes = 0;  // its arena
+  std::string units;                    // "bodies", "points" ...
+  std::size_t count = 0;                // of them
+  std::size_t bytes = 0;                // its arena
+  std::vector<std::string> notes = {};  // what it chose
 };
 
 // Number of objects of a kind, and of the units that its system counts.

@@ -1,0 +1,44 @@
+// Indices of the triangles of a mesh: which of them may meet a box or a ray. One file per index, one
+// feder_variant(geom <index> TABLE indexes) line. Contract, checked for every index by tests/geom/test_mesh_index.cpp:
+// no triangle whose box overlaps the query is missed (of "bvh" with other volumes: none that meets it), whatever the
+// triangles; the mesh sorts what they find, so that results have the same bits with any of them. Read only after the
+// build, by several threads at once; a query allocates nothing but room in `out`.
+#pragma once
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "feder/shape.h"
+
+namespace feder {
+
+class TriangleIndex {
+ public:
+  virtual ~TriangleIndex() = default;
+  // Appends numbers of triangles, in any order, some perhaps twice.
+  virtual void find(const Aabb& box, std::vector<std::uint32_t>& out) const = 0;
+  virtual void find_ray(const Vec3& origin, const Vec3& ray, std::vector<std::uint32_t>& out) const = 0;
+  virtual std::size_t bytes() const = 0;
+};
+
+struct TriangleIndexKind {
+  const char* name;
+  const char* summary;
+  // `corners`: three per triangle.
+  std::unique_ptr<TriangleIndex> (*make)(std::span<const Vec3> corners, const MeshIndex& choice);
+};
+std::span<const TriangleIndexKind> triangle_indexes();
+
+inline Aabb box_of_triangle(std::span<const Vec3> corners, std::uint32_t i) {
+  Aabb box;
+  for (std::size_t k = 0; k < 3; ++k) box.include(corners[3 * std::size_t(i) + k]);
+  return box;
+}
+inline std::vector<Aabb> boxes_of_triangles(std::span<const Vec3> corners) {
+  std::vector<Aabb> boxes;
+  boxes.reserve(corners.size() / 3);
+  for (std::uint32_t i = 0; 3 * std::size_t(i) < corners.size(); ++i) boxes.push_back(box_of_triangle(corners, i));
+  return boxes;
+}
+
+}  // namespace feder
