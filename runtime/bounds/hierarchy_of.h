@@ -8,6 +8,7 @@
 #pragma once
 #include <vector>
 
+#include "base/borrowed_list.h"
 #include "bounds/volume.h"
 
 namespace feder {
@@ -62,7 +63,9 @@ class HierarchyOf final : public Hierarchy {
   void pairs(PairVisitor visit, HierarchyCost* cost) const override {
     if (tree_.nodes.empty()) return;
     HierarchyCost tests;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> stack{{0, 0}};
+    BorrowedList<std::pair<std::uint32_t, std::uint32_t>> borrowed;
+    auto& stack = *borrowed;
+    stack.push_back({0, 0});
     while (!stack.empty()) {
       const auto [a, b] = stack.back();
       stack.pop_back();
@@ -122,7 +125,9 @@ class HierarchyOf final : public Hierarchy {
   void find(Test&& test, ItemVisitor visit, HierarchyCost* cost) const {
     if (tree_.nodes.empty()) return;
     HierarchyCost tests;
-    std::vector<std::uint32_t> stack{0};  // trees of insertion may be deep
+    BorrowedList<std::uint32_t> borrowed;  // trees of insertion may be deep
+    auto& stack = *borrowed;
+    stack.push_back(0);
     while (!stack.empty()) {
       const TreeNode& n = tree_.nodes[stack.back()];
       const V& v = volumes_[stack.back()];

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/borrowed_list.h"
 #include "geom/bsp.h"
 #include "geom/mesh_index.h"
 
@@ -43,8 +44,8 @@ class BspIndex final : public TriangleIndex {
   double room() const { return 1e-6 * size_; }
   template <class Test>
   void search(Test&& test, std::vector<std::uint32_t>& out) const {
-    thread_local std::vector<std::uint32_t> stack;
-    tree_.find(test, stack, [&](std::uint32_t i) { out.push_back(i); });
+    BorrowedList<std::uint32_t> stack;
+    tree_.find(test, *stack, [&](std::uint32_t i) { out.push_back(i); });
   }
   Bsp tree_;
   double size_ = 0;

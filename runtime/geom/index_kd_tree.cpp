@@ -1,7 +1,7 @@
 // k-d tree: planes across the longest side at the median of the middles, as long as that parts the triangles; those
 // that a plane cuts lie on both sides, and are found twice. The fewest tests for rays. Weak spot: long triangles lie in
-// many leaves; a split that leaves more than three quarters of them on both sides is not made. Source: Ericson,
-// "Real-Time Collision Detection" (2005), 7.3.
+// many leaves; a split that leaves more than half of them on both sides is not made, nor any once there are five times
+// as many entries as triangles. Source: Ericson, "Real-Time Collision Detection" (2005), 7.3.
 #include <algorithm>
 
 #include "geom/mesh_index.h"
@@ -10,11 +10,13 @@ namespace feder {
 namespace {
 
 constexpr int kDeepest = 40;
+constexpr std::size_t kMostTwice = 4;  // per triangle, in all
 
 class KdTreeIndex final : public TriangleIndex {
  public:
   KdTreeIndex(std::span<const Vec3> corners, const MeshIndex& choice) : boxes_(boxes_of_triangles(corners)) {
     leaf_ = choice.leaf > 0 ? choice.leaf : 8;
+    room_ = kMostTwice * boxes_.size();
     Aabb all;
     std::vector<std::uint32_t> own;
     for (std::uint32_t i = 0; i < boxes_.size(); ++i) all.include(boxes_[i]), own.push_back(i);
@@ -88,7 +90,9 @@ class KdTreeIndex final : public TriangleIndex {
         if (boxes_[i].hi[axis] >= at) high.push_back(i);
       }
       const std::size_t most = std::max(low.size(), high.size());
-      if (most < own.size() && 4 * (low.size() + high.size() - own.size()) <= 3 * own.size()) {
+      const std::size_t twice = low.size() + high.size() - own.size();
+      if (most < own.size() && 2 * twice <= own.size() && twice <= room_) {
+        room_ -= twice;
         const auto child = static_cast<std::uint32_t>(nodes_.size());
         nodes_[node] = {axis, at, child, 0};
         nodes_.push_back({}), nodes_.push_back({});
@@ -103,8 +107,8 @@ class KdTreeIndex final : public TriangleIndex {
     items_.insert(items_.end(), own.begin(), own.end());
   }
 
-  std::size_t leaf_ = 8;
-  std::vector<Aabb> boxes_;  // while it is built
+  std::size_t leaf_ = 8, room_ = 0;  // how many more may lie on both sides of a plane
+  std::vector<Aabb> boxes_;          // while it is built
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> items_;
 };

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "base/borrowed_list.h"
 #include "bounds/box_tree.h"
 #include "bounds/volume.h"
 #include "feder/error.h"
@@ -30,6 +31,11 @@ struct TriangleSurfaces {
   std::vector<ShapeSurface> list;
   std::vector<SurfaceNumber> of;  // by triangle
 };
+
+void sort_once(std::vector<std::uint32_t>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
 
 Vec3 normal_of(const Triangle& t) { return normalized_or(cross(t.b - t.a, t.c - t.a), Vec3::Zero()); }
 
@@ -86,13 +92,6 @@ class Mesh final : public Shape {
   MeshIndex choice_;
   std::unique_ptr<TriangleIndex> index_;  // that one
 };
-
-// Of queries of an index: what it found. By thread, so that queries allocate nothing once it has its size.
-std::vector<std::uint32_t>& found_buffer() {
-  thread_local std::vector<std::uint32_t> list;
-  list.clear();
-  return list;
-}
 
 Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleSurfaces surfaces,
            const MeshIndex& choice)
@@ -225,11 +224,10 @@ bool Mesh::raycast(const Vec3& o, const Vec3& d, RayHit& hit) const {
 template <class F>
 void Mesh::each_along(const Vec3& origin, const Vec3& ray, const Real& best, F&& visit) const {
   if (!index_) return tree_.query_if([&](const Aabb& box) { return ray_meets(box, origin, ray, best); }, visit);
-  std::vector<std::uint32_t>& list = found_buffer();
-  index_->find_ray(origin, ray, list);
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
-  for (const std::uint32_t i : list) visit(i);
+  BorrowedList<std::uint32_t> list;
+  index_->find_ray(origin, ray, *list);
+  sort_once(*list);
+  for (const std::uint32_t i : *list) visit(i);
 }
 
 Real Mesh::distance(const Vec3& p, Real limit, Vec3& normal) const {
@@ -262,15 +260,14 @@ Real Mesh::distance(const Vec3& p, Real limit, Vec3& normal) const {
 
 void Mesh::triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const {
   if (!index_) return tree_.query(local, [&](std::uint32_t i) { visit(context, i); });
-  std::vector<std::uint32_t>& list = found_buffer();
-  index_->find(local, list);
-  std::sort(list.begin(), list.end());
-  list.erase(std::unique(list.begin(), list.end()), list.end());
-  for (std::size_t k = 0; k < list.size(); ++k) {
-    const Triangle& t = triangles_[list[k]];
+  BorrowedList<std::uint32_t> list;
+  index_->find(local, *list);
+  sort_once(*list);
+  for (const std::uint32_t i : *list) {
+    const Triangle& t = triangles_[i];
     Aabb box{t.a, t.a};
     box.include(t.b), box.include(t.c);
-    if (overlaps(box, local)) visit(context, list[k]);
+    if (overlaps(box, local)) visit(context, i);
   }
 }
 

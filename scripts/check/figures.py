@@ -135,6 +135,19 @@ def cloths(feder, _):
     return "\n".join(rows) + "\n\n\\* the reference is no surer than that"
 
 
+def hierarchies(feder, _):
+    """Share of false pairs by volume, and tests of volumes by build, per item in all steps."""
+    alone = {p["method"]: p for p in json.loads(study(feder, "bounding_volume", "--json"))["points"]}
+    points = json.loads(study(feder, "hierarchy", "--json"))["points"]
+    tests = {p["method"]: p["force_evals"] for p in points if dict(p["settings"]) == {"leaf": "1"}}
+    builds = list(dict.fromkeys(name.split(".")[1] for name in tests))
+    rows = [f"| volume | false pairs | {' | '.join(f'`{b}`' for b in builds)} |", "|---" * (2 + len(builds)) + "|"]
+    for volume, point in alone.items():
+        counts = " | ".join(str(tests[f'{volume}.{b}']) for b in builds)
+        rows.append(f"| `{volume}` | {100 * point['err_end']:.0f} % | {counts} |")
+    return "\n".join(rows)
+
+
 def rows_of(name):
     with open(ROOT / "tests/bench" / name, newline="") as file:
         return list(csv.DictReader(file))
@@ -338,6 +351,7 @@ BLOCKS = {
     "hello": hello, "tree": tree, "rivals": rivals, "plot": lambda f, d: stiff_chain(f, d).split("\n")[0],
     "plan": plan, "variants": variants, "scenes": scenes, "stiff_chain": stiff_chain, "orbit": orbit, "api": api,
     "rivals_all": rivals_all, "tolerances": tolerances, "fluids": fluids, "cloths": cloths,
+    "hierarchies": hierarchies,
 }
 renewing = False
 

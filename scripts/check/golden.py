@@ -39,7 +39,9 @@ LONG = ("scenes/rigid/ragdolls.lua --world rigid.solver=impulse", "scenes/rigid/
         "scenes/cookbook/sail_boat.lua", "scenes/lessons/09_fluid.lua", "scenes/study/taylor_green.lua",
         "scenes/study/u_tube.lua", "scenes/rigid/wall.lua --set rows=8 --set length=12 --world rigid.solver=impulse",
         "scenes/rigid/pyramid.lua --world rigid.solver=impulse", "scenes/fluid/bottle.lua",
-        "scenes/fluid/rain_on_pond.lua", "scenes/fluid/fountain.lua")
+        "scenes/fluid/rain_on_pond.lua", "scenes/fluid/fountain.lua", "scenes/fluid/dam_break.lua",
+        "scenes/fluid/honey.lua", "scenes/fluid/sluice.lua", "scenes/fluid/wave_tank.lua",
+        "scenes/study/honey_fold.lua --set particles=40", "scenes/study/siphon.lua --set particles=40")
 
 
 def integrators():

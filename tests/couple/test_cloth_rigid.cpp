@@ -169,6 +169,7 @@ TEST_CASE("a body rests on a cloth held at its border, and the cloth carries its
 
 TEST_CASE("a cloth lies on every kind of body, none of its vertices inside", "[couple][cloth]") {
   const int kind = GENERATE(0, 1, 2, 3, 4, 5);
+  if (kAsserts && kind > 1 && kind < 5) return;  // with asserts seconds each
   World w(WorldDesc{}, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();

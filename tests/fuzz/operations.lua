@@ -151,6 +151,14 @@ for _, name in ipairs(names) do
 end
 
 world:body { type = "static", shape = feder.plane() }
+local indices = { {}, { index = "grid" }, { index = "kd_tree", leaf = 1 }, { index = "octree" }, { index = "bsp" },
+  { volume = "obb", build = "sah" }, { volume = "sphere", build = "bottom_up" }, { volume = "kdop18", build = "morton" },
+  { volume = "hull", build = "insertion" } }
+if SEED % 3 == 0 then  -- a hill
+  world:body { type = "static", position = { 0.8, 0, 0 }, shape = feder.mesh(
+    { { -0.8, 0, -0.8 }, { 0.8, 0, -0.8 }, { 0.8, 0, 0.8 }, { -0.8, 0, 0.8 }, { 0, 0.3, 0 } },
+    { { 1, 5, 2 }, { 2, 5, 3 }, { 3, 5, 4 }, { 4, 5, 1 } }, indices[SEED // 3 % #indices + 1]) }
+end
 for k = 1, OPERATIONS do
   local ok, message = pcall(pick(operations))
   if not ok and type(message) ~= "string" and type(message) ~= "userdata" then print("an error that is no text: " .. tostring(message)) end
