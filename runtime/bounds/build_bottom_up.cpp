@@ -1,6 +1,6 @@
 // Bottom-up, agglomerative: pairs that are each other's nearest, by the surface of their common box, become one, until
 // one is left. The nearest is looked for among the neighbours in Morton order, 16 on either side, so it takes n log n
-// where all pairs would take n^2. The best trees for things of many sizes. Weak spot: the slowest build but insertion.
+// where all pairs would take n^2. Its trees need the fewest tests (tests/README.md). Weak spot: slow to build.
 // Sources: Walter et al., "Fast Agglomerative Clustering for Rendering", RT 2008; Meister & Bittner, "Parallel
 // Locally-Ordered Clustering for Bounding Volume Hierarchy Construction", TVCG 2018.
 #include "bounds/morton_order.h"
@@ -36,7 +36,7 @@ std::size_t nearest_to(const std::vector<Cluster>& list, std::size_t i) {
 }  // namespace
 
 TreeBuild bounds_bottom_up() {
-  return {"bottom_up", "joins what is nearest: best for things of many sizes",
+  return {"bottom_up", "joins what is nearest: fewest tests of volumes",
           [](std::span<const Aabb> boxes, std::uint32_t leaf) {
             std::vector<TreeLink> links;
             std::vector<Cluster> list, next;

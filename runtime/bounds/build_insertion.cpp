@@ -1,6 +1,5 @@
 // Insertion, one item after another: each becomes the sibling of the node where the surfaces of all boxes above grow
-// least, found by branch and bound. Weak spot: the tree depends on the order of the items (in the worst orders it costs
-// twice what the best do), and it is the slowest build of many.
+// least, found by branch and bound. Weak spot: the tree depends on the order of the items; equal ones make a chain.
 // Sources: Goldsmith & Salmon 1987; Omohundro, "Five Balltree Construction Algorithms", ICSI 1989; Bittner, Hapala &
 // Havran, "Fast Insertion-Based Optimization of Bounding Volume Hierarchies", CGF 2013.
 #include <algorithm>

@@ -1,5 +1,6 @@
 // Linear build: items in Morton order, split where the highest bit of their codes changes; equal codes are halved.
-// The fastest build. Weak spot: cells of the curve know no surfaces, and long thin items share them all.
+// One sort is all that it takes. Weak spot: cells of the curve know no surfaces: the most tests of volumes
+// (tests/README.md).
 // Source: Lauterbach et al., "Fast BVH Construction on GPUs", Eurographics 2009.
 #include <bit>
 
@@ -8,8 +9,7 @@
 namespace feder {
 
 TreeBuild bounds_morton() {
-  return {"morton", "splits along the Morton curve: fastest to build",
-          [](std::span<const Aabb> boxes, std::uint32_t leaf) {
+  return {"morton", "splits along the Morton curve: one sort", [](std::span<const Aabb> boxes, std::uint32_t leaf) {
             const std::vector<MortonItem> list = morton_order(boxes);
             TreeShape tree = build_by_splits(
                 static_cast<std::uint32_t>(boxes.size()), leaf,

@@ -1,5 +1,5 @@
 // Convex hull (quickhull.cpp). Two are apart where the normal of a face of either, or the product of an edge of each,
-// separates them. The tightest volume of all, and the dearest: some 30 times the test of an oriented box for two cubes.
+// separates them. The tightest volume of all, and by far the dearest.
 // What is flat gets a thickness of 4e-4 of its size; what has more than kMaxHullCorners is bounded by its box; of two
 // whose edges make more than kMostProducts, only faces are tried (it may then find what does not touch).
 #include <algorithm>

@@ -2,7 +2,8 @@
 // neither many small ones nor corners inside count more: Gottschalk, Lin & Manocha, "OBBTree", SIGGRAPH 1996), or of
 // the points; those of the world where they hold it in less. Fifteen axes separate two of them. Merging: around the
 // corners of both, by the axes of either, of the covariance of those corners, or of the world. Tight around what is
-// long and askew, for a test of some 200 instructions. Weak spot: a cube has no axes of its own in its covariance.
+// long and askew, for the dearest test but that of hulls. Weak spot: what has no axes of its own in its covariance,
+// cubes and square bars: 39 % false pairs where kdop26 has 37 % (tests/README.md).
 #include <algorithm>
 #include <cmath>
 

@@ -1,9 +1,9 @@
 // Fluids of unlike spacings solved as one. All have the support of the widest one, so that pairs see each other alike;
 // a particle counts in a density as the volume that it stands for, over that of the widest: its `share`, by lattices,
-// so that each fluid alone is at rest at its density. A sum over neighbours j of shares s_j times symmetric terms is
-// that of the same sweep as for like ones, and a sum of differences:
-//   sum s_j (l_i + l_j / s_j s_i) g x = s_i sum (l_i + l_j) g x + l_i sum (s_j - s_i) g x,
-// so forces of pairs, l_i s_j + l_j s_i, stay equal and opposite to the rounding of the sums. In a volume that touches
+// so that each fluid alone is at rest at its density. Sums with shares s are the same sweeps as for like ones, and a
+// sum of differences:
+//   sum (l_i s_j + l_j s_i) g x = s_i sum (l_i + l_j) g x + l_i sum (s_j - s_i) g x,
+// so forces of pairs stay equal and opposite to the rounding of the sums. In a volume that touches
 // no other spacing the second sum is zero. Weak spots: a finer fluid has up to twice the neighbours that it has alone,
 // and costs so much more.
 #include "fluid/pool.h"

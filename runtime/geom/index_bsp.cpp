@@ -12,7 +12,7 @@ namespace {
 
 class BspIndex final : public TriangleIndex {
  public:
-  explicit BspIndex(std::span<const Vec3> corners) : tree_(corners) {
+  BspIndex(std::span<const Vec3> corners, const MeshIndex&) : tree_(corners) {
     for (const Vec3& c : corners) size_ = std::max(size_, length(wide(c)));
   }
   void find(const Aabb& box, std::vector<std::uint32_t>& out) const override {
@@ -54,10 +54,7 @@ class BspIndex final : public TriangleIndex {
 }  // namespace
 
 TriangleIndexKind geom_bsp() {
-  return {"bsp", "binary space partition by the triangles' planes: knows the inside",
-          [](std::span<const Vec3> corners, const MeshIndex&) -> std::unique_ptr<TriangleIndex> {
-            return std::make_unique<BspIndex>(corners);
-          }};
+  return triangle_index<BspIndex>("bsp", "binary space partition by the triangles' planes: knows the inside");
 }
 
 }  // namespace feder

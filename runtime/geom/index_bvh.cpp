@@ -28,10 +28,7 @@ class BvhIndex final : public TriangleIndex {
 }  // namespace
 
 TriangleIndexKind geom_bvh() {
-  return {"bvh", "hierarchy of bounding volumes: any shape of mesh",
-          [](std::span<const Vec3> corners, const MeshIndex& choice) -> std::unique_ptr<TriangleIndex> {
-            return std::make_unique<BvhIndex>(corners, choice);
-          }};
+  return triangle_index<BvhIndex>("bvh", "hierarchy of bounding volumes: any shape of mesh");
 }
 
 }  // namespace feder

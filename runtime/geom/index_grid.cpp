@@ -1,5 +1,5 @@
 // Uniform grid over the box of the mesh, about two cells per triangle; each triangle lies in all cells that its box
-// meets, and is found in the first of those that the query meets as well, so once. The fastest for triangles of one
+// meets, and is found in the first of those that the query meets as well, so once. For triangles of one
 // size that fill their space evenly; a few large ones among many small ones lie in many cells, those far apart leave
 // them empty. `leaf`: triangles per cell that are aimed at. Source: Ericson, "Real-Time Collision Detection"
 // (2005), 7.1.
@@ -134,10 +134,7 @@ class GridIndex final : public TriangleIndex {
 }  // namespace
 
 TriangleIndexKind geom_grid() {
-  return {"grid", "uniform grid: even meshes of triangles of one size",
-          [](std::span<const Vec3> corners, const MeshIndex& choice) -> std::unique_ptr<TriangleIndex> {
-            return std::make_unique<GridIndex>(corners, choice);
-          }};
+  return triangle_index<GridIndex>("grid", "uniform grid: even meshes of triangles of one size");
 }
 
 }  // namespace feder

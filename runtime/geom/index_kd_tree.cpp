@@ -1,5 +1,5 @@
 // k-d tree: planes across the longest side at the median of the middles, as long as that parts the triangles; those
-// that a plane cuts lie on both sides, and are found twice. The fewest tests for rays. Weak spot: long triangles lie in
+// that a plane cuts lie on both sides, and are found twice. Weak spot: long triangles lie in
 // many leaves; a split that leaves more than half of them on both sides is not made, nor any once there are five times
 // as many entries as triangles. Source: Ericson, "Real-Time Collision Detection" (2005), 7.3.
 #include <algorithm>
@@ -115,11 +115,6 @@ class KdTreeIndex final : public TriangleIndex {
 
 }  // namespace
 
-TriangleIndexKind geom_kd_tree() {
-  return {"kd_tree", "k-d tree: fewest tests for rays",
-          [](std::span<const Vec3> corners, const MeshIndex& choice) -> std::unique_ptr<TriangleIndex> {
-            return std::make_unique<KdTreeIndex>(corners, choice);
-          }};
-}
+TriangleIndexKind geom_kd_tree() { return triangle_index<KdTreeIndex>("kd_tree", "k-d tree: triangles of many sizes"); }
 
 }  // namespace feder

@@ -93,10 +93,7 @@ class OctreeIndex final : public TriangleIndex {
 }  // namespace
 
 TriangleIndexKind geom_octree() {
-  return {"octree", "loose octree: triangles of many sizes in a wide space",
-          [](std::span<const Vec3> corners, const MeshIndex& choice) -> std::unique_ptr<TriangleIndex> {
-            return std::make_unique<OctreeIndex>(corners, choice);
-          }};
+  return triangle_index<OctreeIndex>("octree", "loose octree: one cell for each triangle");
 }
 
 }  // namespace feder

@@ -1,8 +1,11 @@
 // Indices of the triangles of a mesh: which of them may meet a box or a ray. One file per index, one
 // feder_variant(geom <index> TABLE indexes) line. Contract, checked for every index by tests/geom/test_mesh_index.cpp:
-// no triangle whose box overlaps the query is missed (of "bvh" with other volumes: none that meets it), whatever the
+// no triangle whose box overlaps the query is missed (by what knows more than boxes: none that meets it), whatever the
 // triangles; the mesh sorts what they find, so that results have the same bits with any of them. Read only after the
-// build, by several threads at once; a query allocates nothing but room in `out`.
+// build, by several threads at once; a query allocates nothing but room in `out`. Boxes of a fifth of a metre and rays
+// on 5,000 triangles (feder study mesh_index) take, over the mesh that chooses nothing, on even ground / a ribbon askew
+// / a soup of many sizes: bvh of aabb by sah 1.2 / 1.4 / 0.7, of obb 4.5 / 1.9 / 2.4 (for 1.3, 4.6 and 2.4 times fewer
+// triangles), grid 2.3 / 7.0 / 2.3, kd_tree 3.6 / 9.1 / 1.8, octree 7.9 / 9.5 / 9.3, bsp 46 / 27 / 3.9.
 #pragma once
 #include <memory>
 #include <span>
@@ -28,6 +31,12 @@ struct TriangleIndexKind {
   std::unique_ptr<TriangleIndex> (*make)(std::span<const Vec3> corners, const MeshIndex& choice);
 };
 std::span<const TriangleIndexKind> triangle_indexes();
+template <class Made>
+TriangleIndexKind triangle_index(const char* name, const char* summary) {
+  return {name, summary, [](std::span<const Vec3> corners, const MeshIndex& choice) -> std::unique_ptr<TriangleIndex> {
+            return std::make_unique<Made>(corners, choice);
+          }};
+}
 
 inline Aabb box_of_triangle(std::span<const Vec3> corners, std::uint32_t i) {
   Aabb box;

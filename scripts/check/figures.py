@@ -140,6 +140,7 @@ def hierarchies(feder, _):
     alone = {p["method"]: p for p in json.loads(study(feder, "bounding_volume", "--json"))["points"]}
     points = json.loads(study(feder, "hierarchy", "--json"))["points"]
     tests = {p["method"]: p["force_evals"] for p in points if dict(p["settings"]) == {"leaf": "1"}}
+    assert all(p["err_constraint"] == 0 for p in [*alone.values(), *points]), "a pair that touches was missed"
     builds = list(dict.fromkeys(name.split(".")[1] for name in tests))
     rows = [f"| volume | false pairs | {' | '.join(f'`{b}`' for b in builds)} |", "|---" * (2 + len(builds)) + "|"]
     for volume, point in alone.items():

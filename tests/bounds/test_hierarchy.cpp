@@ -124,7 +124,7 @@ void run(const std::vector<const VolumeKind*>& kinds, const std::string& arrange
   }
 }
 
-// All volumes, or all but the dearest, a hundred times as dear as the others.
+// All volumes, or all but the dearest by far.
 std::vector<const VolumeKind*> volumes(bool with_hull) {
   std::vector<const VolumeKind*> list;
   for (const VolumeKind& kind : bounding_volumes())
