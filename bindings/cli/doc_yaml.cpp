@@ -193,9 +193,18 @@ Json arguments_by_name(const ShapeKind& kind) {
   out["description"] = std::string(kind.summary) + ".";
   return out;
 }
-Json shape_schema() {
+Json shape_schema(const Pages& pages) {
   Json all = Json::array(), names = Json::array();
   for (const ShapeKind& kind : shape_kinds()) {
+    if (kind.arguments.empty()) {  // a table of options
+      const ReferencePage* page = find_page(pages, (std::string("feder.") + kind.name).c_str());
+      const Json options = page ? properties(page->rows, "") : Json::object();
+      Json short_form = object({{kind.name, object(options)}}), typed = options;
+      short_form["required"] = {kind.name};
+      typed["type"] = {{"const", kind.name}};
+      all.push_back(std::move(short_form)), all.push_back(object(typed));
+      continue;
+    }
     if (std::ranges::none_of(kind.arguments, needed)) names.push_back(kind.name);
     Json short_form = object({{kind.name, arguments_in_order(kind)}});
     short_form["required"] = {kind.name};
@@ -221,7 +230,7 @@ Json definitions(const Pages& pages) {
           {"rotation", either({number(), list_of(number(), 4, 4), object(axis), object(euler)})},
           {"part", object(rows("feder.compound", ""))},
           {"surface", object(rows("feder.mesh", "surfaces."))},
-          {"shape", shape_schema()}};
+          {"shape", shape_schema(pages)}};
 }
 
 Json world_schema(const Pages& pages) {

@@ -6,6 +6,7 @@
 
 #include "lua/buffer.h"
 #include "lua/method.h"
+#include "lua/sdf.h"
 #include "lua/shape_surfaces.h"
 
 namespace feder::lua {
@@ -104,9 +105,14 @@ std::span<const Method> shape_functions() {
     std::vector<Method> rows;
     for (const ShapeKind& kind : shape_kinds()) {
       texts.push_back(std::string("feder.") + kind.name + kind.usage + " -> shape");
-      rows.push_back({kind.name, guard<feder_shape>, texts.back().c_str(), kind.summary, shape_rows(kind)});
+      if (kind.fields)
+        rows.push_back({kind.name, guard<feder_sdf>, texts.back().c_str(), kind.summary, sdf_rows});
+      else
+        rows.push_back({kind.name, guard<feder_shape>, texts.back().c_str(), kind.summary, shape_rows(kind)});
     }
-    std::string absent = FEDER_WITHOUT ",geom.heightfield,geom.sdf,";  // the last two: to come
+    const std::span<const Method> fields = sdf_functions();
+    rows.insert(rows.end(), fields.begin(), fields.end());
+    std::string absent = FEDER_WITHOUT ",geom.heightfield,";  // the last: to come
     for (std::size_t from = 0, end; (end = absent.find(',', from)) != std::string::npos; from = end + 1) {
       const std::string name = absent.substr(from, end - from);
       if (name.rfind("geom.", 0) != 0) continue;

@@ -170,7 +170,7 @@ const ShapeKind& shape_kind_of(lua_State* L, int table, const std::string& name)
 // Is a list behind the shape's name its one argument, and not the list of them?
 bool takes_one_list(const ShapeKind& kind) {
   const auto needed = [](const ShapeArgument& a) { return std::isnan(a.fallback); };
-  return kind.arguments[0].type >= ShapeArgumentType::points && std::ranges::count_if(kind.arguments, needed) == 1;
+  return !kind.arguments.empty() && kind.arguments[0].type >= ShapeArgumentType::points && std::ranges::count_if(kind.arguments, needed) == 1;
 }
 
 // Pushes the first n values of the list on the stack in its place.
@@ -229,7 +229,16 @@ void make_shape(lua_State* L) {
   lua_getfield(L, maker, kind.name);
   lua_replace(L, maker);
   int arguments = 1;
-  if (typed) {
+  if (kind.arguments.empty()) {  // one table of options: what is left of this one, or what the key holds
+    if (typed) {
+      lua_settop(L, maker);
+      lua_pushnil(L), lua_setfield(L, table, "type");
+      lua_pushvalue(L, table);
+    } else {
+      lua_remove(L, maker + 1);
+    }
+    if (lua_istable(L, -1)) make_shape_field(L, lua_gettop(L));
+  } else if (typed) {
     lua_settop(L, maker);
     arguments = push_named_arguments(L, table, kind);
   } else {
@@ -238,7 +247,7 @@ void make_shape(lua_State* L) {
       arguments = spread(L, static_cast<int>(std::min<lua_Unsigned>(lua_rawlen(L, -1), 100)));
   }
   // parts are shapes themselves
-  if (kind.arguments[0].type == ShapeArgumentType::parts && lua_type(L, -1) == LUA_TTABLE)
+  if (!kind.arguments.empty() && kind.arguments[0].type == ShapeArgumentType::parts && lua_type(L, -1) == LUA_TTABLE)
     each_entry(L, -1, [&](lua_Integer) {
       if (lua_type(L, -1) == LUA_TTABLE) make_shape_field(L, lua_gettop(L));
     });

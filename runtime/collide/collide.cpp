@@ -54,10 +54,10 @@ void Collide::notes(std::vector<Note>& out) const {
   for (std::uint32_t i = 0; i < c.shape.size(); ++i) {
     const Shape* shape = c.shape[i];
     if (!shape || std::find(known.begin(), known.end(), shape) != known.end()) continue;
-    const std::string index = shape->describe_index();
+    const std::string index = shape->describe();
     if (index.empty()) continue;
     known.push_back(shape);
-    out.push_back({c.object[i], "mesh: " + index});
+    out.push_back({c.object[i], std::string(shape->kind()) + ": " + index});
   }
 }
 

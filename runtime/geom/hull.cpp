@@ -2,34 +2,10 @@
 // Weak spot: support points and faces by a walk over all of them, eight at a time, linear in their number.
 #include "geom/hull.h"
 
-#include "base/wide.h"
 #include "geom/closest.h"
+#include "geom/point_groups.h"
 
 namespace feder {
-namespace {
-
-const PointKernel* point_kernel() {
-#if defined(__x86_64__) || defined(__i386__)
-  if (runs_avx2()) return &kPointsAvx2;
-#endif
-  return &kPointsPlain;
-}
-
-// Eight to a group; what is left of the last repeats the first. `point(i)`: the i-th of `count`.
-template <class Point>
-std::vector<Lane8x3> grouped(std::size_t count, Point&& point) {
-  std::vector<Lane8x3> groups((count + kLanes - 1) / kLanes);
-  for (std::size_t i = 0; i < groups.size() * kLanes; ++i) {
-    const Vec3& p = point(i < count ? i : 0);
-    Lane8x3& g = groups[i / kLanes];
-    g.x.v[i % kLanes] = p[0], g.y.v[i % kLanes] = p[1], g.z.v[i % kLanes] = p[2];
-  }
-  return groups;
-}
-
-unsigned groups_in(const std::vector<Lane8x3>& groups) { return static_cast<unsigned>(groups.size()); }
-
-}  // namespace
 
 Hull::Hull(HullData data, std::span<const Vec3> points)
     : Shape("hull", true), data_(std::move(data)),
@@ -38,11 +14,7 @@ Hull::Hull(HullData data, std::span<const Vec3> points)
       kernel_(point_kernel()), points_(points.begin(), points.end()) {}
 
 Aabb Hull::bounds(const Pose& pose) const {
-  const Mat3 r = to_matrix(pose.rotation);
-  const Real rows[9] = {r(0, 0), r(0, 1), r(0, 2), r(1, 0), r(1, 1), r(1, 2), r(2, 0), r(2, 1), r(2, 2)};
-  Real lo[3], hi[3];
-  kernel_->bounds(corner_lanes_.data(), groups_in(corner_lanes_), rows, lo, hi);
-  return {vec3(lo[0], lo[1], lo[2]) + pose.position, vec3(hi[0], hi[1], hi[2]) + pose.position};
+  return bounds_of(corner_lanes_, pose);
 }
 
 // Second moments over tetrahedra from an inner point to the triangles of the faces (Tonon 2004), as the covariance C

@@ -1,8 +1,10 @@
 // Triangle mesh: static, a surface without inside. A hierarchy of boxes (triangles are stored in its order, so visits
 // are ascending) or another index (mesh_index.h), and per edge what the neighbour does, so that contacts do not catch
 // on seams. Corners at the same place are one corner; triangles without area are dropped. Source of rays: Moeller and
-// Trumbore 1997. Weak spot: no inside, so what has passed the surface is on its other side.
+// Trumbore 1997. Weak spot: no inside, so what has passed the surface is on its other side; a body with a mass has the
+// distance field of its triangles instead (solid).
 #include <algorithm>
+#include <mutex>
 #include <numeric>
 #include <tuple>
 
@@ -11,7 +13,7 @@
 #include "bounds/volume.h"
 #include "feder/error.h"
 #include "feder/params.h"
-#include "feder/shape.h"
+#include "feder/sdf.h"
 #include "geom/closest.h"
 #include "geom/mesh_index.h"
 #include "geom/surfaces.h"
@@ -75,7 +77,8 @@ class Mesh final : public Shape {
   void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const override;
   const Triangle& triangle(std::uint32_t i) const override { return triangles_[i]; }
   std::span<const ShapeSurface> surfaces() const override { return surfaces_; }
-  std::string describe_index() const override;
+  std::string describe() const override;
+  ShapePtr solid() const override;
 
  private:
   void find_neighbors(std::span<const Corners> corners);
@@ -91,6 +94,8 @@ class Mesh final : public Shape {
   BoxTree tree_{arena_};  // of the boxes of the triangles; empty where another index is chosen
   MeshIndex choice_;
   std::unique_ptr<TriangleIndex> index_;  // that one
+  mutable std::mutex solid_mutex_;
+  mutable ShapePtr solid_;  // when it was asked for
 };
 
 Mesh::Mesh(std::vector<Vec3> vertices, std::vector<Corners> triangles, TriangleSurfaces surfaces,
@@ -127,7 +132,18 @@ void Mesh::make_index() {
   tree_.build({});
 }
 
-std::string Mesh::describe_index() const {
+ShapePtr Mesh::solid() const {
+  if (std::none_of(shape_kinds().begin(), shape_kinds().end(), [](const ShapeKind& k) { return k.fields; }))
+    return nullptr;
+  const std::lock_guard lock(solid_mutex_);
+  if (!solid_) {
+    const ShapeArguments own = arguments();
+    solid_ = make_sdf({.vertices = own.points, .triangles = own.triangles});
+  }
+  return solid_;
+}
+
+std::string Mesh::describe() const {
   const auto number = [](std::size_t n) { return std::to_string(n); };
   std::string text = choice_.index.empty() ? "bvh" : choice_.index;
   if (text == "bvh")

@@ -79,7 +79,7 @@ class TextReader {
     };
     pass("*nv*v*u");
     for (std::uint64_t n = in_.count(); n > 0; --n) shape(nullptr), pass("pu");
-    pass("*{nnnnbvt}*u");
+    pass("*{nnnnbvt}*u{tttu}t");
   }
 
   void list(std::string_view& s, std::string* out) {

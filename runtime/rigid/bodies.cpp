@@ -26,15 +26,16 @@ void require_mass(Real mass) {
           "mass: expected from 1e-9 to 1e14 kg (rock from 0.1 mm to 3 km in size; mind the density)", mass);
 }
 
-// Shapes with their pose in the body frame, nested compounds opened.
-void flatten(const ShapePtr& shape, const Pose& at, std::vector<CompoundPart>& out) {
+// Shapes with their pose in the body frame, nested compounds opened; a mesh that shall have a mass is the solid within.
+void flatten(const ShapePtr& shape, const Pose& at, bool with_mass, std::vector<CompoundPart>& out) {
   const std::span<const CompoundPart> parts = shape->parts();
   if (parts.empty()) {
-    out.push_back({shape, at});
+    const ShapePtr solid = with_mass ? shape->solid() : nullptr;
+    out.push_back({solid ? solid : shape, at});
     return;
   }
   for (const CompoundPart& p : parts) {
-    flatten(p.shape, at * p.pose, out);
+    flatten(p.shape, at * p.pose, with_mass, out);
     out.back().surface = p.surface;
   }
 }
@@ -90,7 +91,7 @@ bool uneven(const Mat3& inertia) {
 BodySolid solid_of(const BodyDesc& d, int dimension) {
   BodySolid s;
   const ShapePtr whole = dimension == 2 ? d.shape->section() : d.shape;
-  flatten(whole, Pose{}, s.parts);
+  flatten(whole, Pose{}, d.type == BodyType::dynamic, s.parts);
   FEDER_ASSERT(!s.parts.empty());
   if (!whole->parts().empty()) s.surfaces.assign(whole->surfaces().begin(), whole->surfaces().end());
   std::vector<MassProperties> masses;

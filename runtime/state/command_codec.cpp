@@ -46,7 +46,7 @@ void CommandBytes::content(const Shape& x) {
   for (const CompoundPart& part : a.parts)
     shape(part.shape), command::write(*this, part.pose), command::write(*this, part.surface);
   command::write(*this, a.surfaces), command::write(*this, a.triangle_surfaces);
-  command::write(*this, a.mesh_index);
+  command::write(*this, a.mesh_index), command::write(*this, a.content);
 }
 
 void CommandBytes::forget_shapes(std::size_t from) {
@@ -117,7 +117,7 @@ ShapePtr CommandReader::content() {
     a.parts.push_back(std::move(part));
   }
   command::read(*this, a.surfaces), command::read(*this, a.triangle_surfaces);
-  command::read(*this, a.mesh_index);
+  command::read(*this, a.mesh_index), command::read(*this, a.content);
   return make_shape(kind.c_str(), a.input());
 }
 

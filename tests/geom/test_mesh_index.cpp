@@ -131,7 +131,7 @@ TEST_CASE("every index finds the triangles that the mesh finds without one", "[g
       }
     }
     CHECK(mesh->arguments().mesh_index.volume == choice.volume);
-    CHECK(mesh->describe_index().find(choice.index.empty() ? "bvh" : choice.index) == 0);
+    CHECK(mesh->describe().find(choice.index.empty() ? "bvh" : choice.index) == 0);
   }
 }
 

@@ -14,7 +14,7 @@
 
 namespace feder {
 
-inline constexpr int kRecordingFormat = 3;
+inline constexpr int kRecordingFormat = 4;
 
 // What a reader may want to know, in order: ("scene", "scenes/tower.lua"), ("file scenes/tower.lua", its text) ...
 using RecordingFacts = std::vector<std::pair<std::string, std::string>>;

@@ -9,6 +9,7 @@
 #include <memory>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "feder/types.h"
@@ -120,6 +121,7 @@ struct ShapeArguments {
   std::vector<ShapeSurface> surfaces = {};
   std::vector<SurfaceNumber> triangle_surfaces = {};  // one per triangle, or none
   MeshIndex mesh_index = {};
+  std::string content = {};  // bytes, of a distance field
   ShapeInput input() const;
 };
 
@@ -154,8 +156,12 @@ class Shape {
   // ascending order.
   virtual void triangles_in(const Aabb& local, void (*visit)(void*, std::uint32_t), void* context) const;
   virtual const Triangle& triangle(std::uint32_t index) const;
-  // Meshes only: "bvh of obb, sah, 20000 triangles, 1.2 MB", for reports.
-  virtual std::string describe_index() const { return {}; }
+  // Of meshes and distance fields, for reports: "bvh of obb, sah, 20000 triangles, 1.2 MB".
+  virtual std::string describe() const { return {}; }
+  // What it could not do for its spacing or its input, and the cure: a body made from it passes them on as warnings.
+  virtual std::span<const std::string> warnings() const { return {}; }
+  // Meshes only: the solid that its triangles bound, for bodies with a mass; made once. SceneError when there is none.
+  virtual std::shared_ptr<const Shape> solid() const { return nullptr; }
 
   // The half-space n.x <= d, n unit: true and both for a plane.
   virtual bool half_space(Vec3& /*normal*/, Real& /*distance*/) const { return false; }
@@ -194,11 +200,12 @@ struct ShapeInput {
   std::span<const ShapeSurface> surfaces = {};
   std::span<const SurfaceNumber> triangle_surfaces = {};  // one per triangle, or none
   MeshIndex mesh_index = {};
+  std::string_view content = {};
   Real size(std::size_t k) const { return static_cast<Real>(sizes[k]); }
 };
 
 inline ShapeInput ShapeArguments::input() const {
-  return {sizes, direction, points, triangles, parts, surfaces, triangle_surfaces, mesh_index};
+  return {sizes, direction, points, triangles, parts, surfaces, triangle_surfaces, mesh_index, content};
 }
 
 // surfaces: of the triangles before it.
@@ -208,6 +215,8 @@ struct ShapeArgument {
   ShapeArgumentType type;
   double fallback = NAN;  // NaN: must be given; of a direction any number: that of ShapeInput
 };
+
+struct SdfMakers;
 
 // One row per kind, in the order of the feder_variant(geom ...) lines.
 struct ShapeKind {
@@ -219,6 +228,7 @@ struct ShapeKind {
   std::vector<ShapePtr> (*samples)();   // a few for the contract tests: ordinary, flat, tiny
   bool any_convex = false;              // its pair tests serve every convex shape without a kind of its own
   const char* other_names = "";         // "cube, cuboid": what else people call it, for messages
+  const SdfMakers* fields = nullptr;    // of distance fields: feder/sdf.h
 };
 std::span<const ShapeKind> shape_kinds();
 int shape_kind_id(const char* name);  // SceneError when this build has none

@@ -1,0 +1,230 @@
+// Deepest first: a candidate stands when nothing deeper close by pushes another way, so that beside a corner or an edge
+// only its own contact is left. Normals within some ten degrees share a manifold. Keeps nothing between calls.
+// Weak spots: a contact along a curve is four points; descent follows the slopes of trilinear values, which change by
+// up to .7 h/q between cells, so that the place of a contact is known to about a fifth of a cell.
+#include "narrow/field_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "narrow/reduce.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kOneNormal = Real(0.985);     // cosine: one manifold
+constexpr Real kOpposed = Real(-0.3);        // cosine of the two normals of a contact, at least
+constexpr int kDescent = 10;                 // steps of a descent
+constexpr int kFrankWolfe = 12, kSearch = 5;
+
+bool one_normal(const Vec3& a, const Vec3& b) { return dot(a, b) > kOneNormal; }
+
+bool deeper(const FieldCandidate& a, const FieldCandidate& b) {
+  return a.separation != b.separation ? a.separation < b.separation : a.feature < b.feature;
+}
+
+// On the way from x to s: the fraction where the field is least, for a field with one least value there.
+Real search_line(const Sdf& field, const Vec3& x, const Vec3& s) {
+  // slopes at the ends, then the zero of the slope by the false position, halved where that creeps
+  const Vec3 way = s - x;
+  const auto slope = [&](Real t) {
+    Vec3 g;
+    field.field().at(x + t * way, g);
+    return dot(g, way);
+  };
+  Real lo = 0, hi = 1, at_lo = slope(0), at_hi = slope(1);
+  if (!(at_lo < 0)) return 0;
+  if (!(at_hi > 0)) return 1;
+  for (int i = 0; i < kSearch; ++i) {
+    Real t = lo + (hi - lo) * at_lo / (at_lo - at_hi);
+    t = std::clamp(t, lo + Real(0.1) * (hi - lo), hi - Real(0.1) * (hi - lo));
+    const Real at = slope(t);
+    if (at < 0)
+      lo = t, at_lo = at;
+    else
+      hi = t, at_hi = at;
+  }
+  return lo + (hi - lo) * at_lo / (at_lo - at_hi);
+}
+
+template <class Support>
+Real frank_wolfe(const Sdf& field, const Vec3& start, Vec3& at, Vec3& normal, Support&& support) {
+  at = start;
+  Real least = field.field().at(at, normal);
+  const Real enough = Real(1e-4) * field.field().layout().spacing;
+  for (int i = 0; i < kFrankWolfe; ++i) {
+    const Vec3 s = support(normal);
+    if (!(dot(normal, s - at) < -enough)) break;
+    const Vec3 next = at + search_line(field, at, s) * (s - at);
+    Vec3 slope;
+    const Real d = field.field().at(next, slope);
+    if (!(d < least)) break;
+    const bool done = d > least - enough;
+    least = d, at = next, normal = slope;
+    if (done) break;
+  }
+  normal = normalized_or(normal, Vec3(0, 1, 0));
+  return least;
+}
+
+}  // namespace
+
+void FieldContacts::add(const FieldCandidate& c) {
+  if (!(c.separation <= margin_)) return;
+  if (count_ == kMost) thin_out();
+  candidates_[count_++] = c;
+}
+
+void FieldContacts::add_samples(const OtherField& other) {
+  const auto samples = field_.samples();
+  const auto near = [&](const Aabb& box) {
+    const Vec3 half = (box.hi - box.lo) / 2;
+    return other.distance(box.lo + half) <= length(half) + margin_;
+  };
+  field_.sample_tree().query_if(near, [&](std::uint32_t i) {
+    const Sdf::Sample& s = samples[i];
+    Vec3 n;
+    const Real d = other.distance(s.at, n);
+    if (!(d <= margin_) || dot(n, s.normal) > kOpposed) return;
+    add({s.at - d / 2 * n, -n, d, (i + 1) * 2654435761u});
+  });
+}
+
+// To those that stand, at most kKept.
+void FieldContacts::thin_out() {
+  std::sort(candidates_, candidates_ + count_, deeper);
+  const Real near = Real(1.1) * field_.sample_spacing();
+  int kept = 0;
+  for (int i = 0; i < count_; ++i) {
+    const FieldCandidate c = candidates_[i];
+    const bool stands = std::none_of(candidates_, candidates_ + kept, [&](const FieldCandidate& d) {
+      return !one_normal(c.normal, d.normal) && length(c.at - d.at) < near;
+    });
+    if (stands) candidates_[kept++] = c;
+  }
+  count_ = kept;
+  if (count_ <= kKept) return;
+  // the four that carry each normal, the deepest normals first
+  FieldCandidate out[kKept];
+  bool taken[kMost] = {};
+  int found = 0;
+  for (int i = 0; i < count_ && found < kKept; ++i) {
+    if (taken[i]) continue;
+    ManifoldPoint points[kMost];
+    int index[kMost], of = 0;
+    for (int k = i; k < count_; ++k) {
+      if (taken[k] || !one_normal(candidates_[i].normal, candidates_[k].normal)) continue;
+      taken[k] = true;
+      points[of] = {candidates_[k].at, candidates_[k].separation, candidates_[k].feature};
+      index[of++] = k;
+    }
+    int chosen[kMaxManifoldPoints];
+    const int four = reduce_indices({points, static_cast<std::size_t>(of)}, candidates_[i].normal, chosen);
+    for (int k = 0; k < four && found < kKept; ++k) out[found++] = candidates_[index[chosen[k]]];
+  }
+  std::copy(out, out + found, candidates_);
+  count_ = found;
+}
+
+int FieldContacts::deepest(FieldCandidate* out, int most) const {
+  int found = 0;
+  const Real near = 3 * field_.sample_spacing();
+  for (; found < most; ++found) {
+    const FieldCandidate* best = nullptr;
+    for (int i = 0; i < count_; ++i) {
+      const FieldCandidate& c = candidates_[i];
+      const bool apart = std::none_of(out, out + found, [&](const auto& d) { return length(c.at - d.at) < near; });
+      if (apart && (!best || deeper(c, *best))) best = &c;
+    }
+    if (!best) break;
+    out[found] = *best;
+  }
+  return found;
+}
+
+// The sum of the two distances has a least value where their slopes are opposite; its gradient is the sum of the
+// slopes, the step is Barzilai and Borwein's (1988).
+void FieldContacts::refine(const OtherField& other) {
+  thin_out();
+  const Real far = field_.sample_spacing();
+  for (int i = 0; i < count_; ++i) {
+    FieldCandidate& c = candidates_[i];
+    Vec3 x = c.at, last_x = x, last_g = Vec3::Zero();
+    Real step = far;
+    for (int k = 0; k < kDescent; ++k) {
+      Vec3 na, nb;
+      const Real da = field_.field().at(x, na), db = other.distance(x, nb);
+      na = normalized_or(na, c.normal);
+      const Vec3 n = normalized_or(na - nb, c.normal);
+      if (dot(na, nb) > Real(-0.7)) break;  // an edge or a corner: no slope to follow
+      const Real sum = da + db;
+      if (k == 0 || sum <= c.separation) c.at = x + n * ((db - da) / 2), c.separation = sum, c.normal = n;
+      Vec3 g = na + nb;
+      g -= n * dot(n, g);
+      if (length(g) < Real(2e-3)) break;
+      if (k > 0) {
+        const Vec3 dx = x - last_x, dg = g - last_g;
+        const Real curved = dot(dx, dg);
+        step = curved > 0 ? std::min(dot(dx, dx) / curved, 4 * far) : 2 * step;
+      }
+      last_x = x, last_g = g;
+      Vec3 move = -step * g;
+      const Real length_of = length(move);
+      if (length_of > far) move *= far / length_of;
+      x = c.at + move;
+      last_x = c.at;
+      if (length(move) < Real(2e-3) * far || length(x - c.at) > 3 * far) break;
+    }
+  }
+  // what came to one place is one
+  std::sort(candidates_, candidates_ + count_, deeper);
+  int kept = 0;
+  for (int i = 0; i < count_; ++i) {
+    const FieldCandidate c = candidates_[i];
+    if (std::none_of(candidates_, candidates_ + kept,
+                     [&](const FieldCandidate& d) { return length(c.at - d.at) < Real(0.4) * far; }))
+      candidates_[kept++] = c;
+  }
+  count_ = kept;
+}
+
+int FieldContacts::finish(const Pose& pose, Real sign, Manifold* out) {
+  if (count_ == 0) return 0;
+  thin_out();
+  const Mat3 r = to_matrix(pose.rotation);
+  bool taken[kMost] = {};
+  int manifolds = 0;
+  for (int i = 0; i < count_ && manifolds < kMaxManifolds; ++i) {
+    if (taken[i] || candidates_[i].separation > margin_) continue;
+    ManifoldPoint points[kMost];
+    int of = 0;
+    for (int k = i; k < count_; ++k) {
+      const FieldCandidate& c = candidates_[k];
+      if (taken[k] || c.separation > margin_ || !one_normal(candidates_[i].normal, c.normal)) continue;
+      taken[k] = true;
+      points[of++] = {c.at, c.separation, c.feature};
+    }
+    Manifold& m = out[manifolds++];
+    m.surface = 0;
+    reduce_points({points, static_cast<std::size_t>(of)}, candidates_[i].normal, m);
+    m.normal = sign * (r * candidates_[i].normal);
+    for (int k = 0; k < m.count; ++k) m.points[k].position = pose.position + r * m.points[k].position;
+  }
+  return manifolds;
+}
+
+Real least_over_convex(const Sdf& field, const Shape& convex, const Pose& place, const Vec3& start, Vec3& at,
+                       Vec3& normal) {
+  return frank_wolfe(field, start, at, normal, [&](const Vec3& slope) {
+    return to_world(place, convex.support(rotate_inverse(place.rotation, -slope)));
+  });
+}
+
+Real least_over_triangle(const Sdf& field, const Vec3 (&c)[3], Vec3& at, Vec3& normal) {
+  return frank_wolfe(field, (c[0] + c[1] + c[2]) / 3, at, normal, [&](const Vec3& slope) {
+    const Real d[3] = {dot(c[0], slope), dot(c[1], slope), dot(c[2], slope)};
+    return d[0] <= d[1] && d[0] <= d[2] ? c[0] : d[1] <= d[2] ? c[1] : c[2];
+  });
+}
+
+}  // namespace feder

@@ -1,0 +1,77 @@
+// Contacts of a distance field with whatever else has distances: candidates are collected, told apart by normal, thinned
+// out, led to where the two surfaces are nearest, and reduced. All in the frame of the field. Internal to narrow.
+#pragma once
+#include "geom/sdf.h"
+#include "narrow/manifold.h"
+
+namespace feder {
+
+// Distance of a place in the frame of the field from the other shape's surface, and the direction in which it grows.
+class OtherField {
+ public:
+  virtual ~OtherField() = default;
+  virtual Real distance(const Vec3& p, Vec3& normal) const = 0;
+  virtual Real distance(const Vec3& p) const {
+    Vec3 normal;
+    return distance(p, normal);
+  }
+};
+
+// Another shape, placed in the frame of the field.
+class PlacedShape final : public OtherField {
+ public:
+  PlacedShape(const Shape& shape, const Pose& place, Real limit) : shape_(shape), place_(place), limit_(limit) {}
+  using OtherField::distance;
+  Real distance(const Vec3& p, Vec3& normal) const override {
+    const Real d = shape_.distance(to_local(place_, p), limit_, normal);
+    normal = rotate(place_.rotation, normal);
+    return d;
+  }
+
+ private:
+  const Shape& shape_;
+  const Pose& place_;
+  Real limit_;
+};
+
+struct FieldCandidate {
+  Vec3 at;          // midway between the surfaces
+  Vec3 normal;      // unit, from the field to the other
+  Real separation;  // m
+  std::uint32_t feature;
+};
+
+class FieldContacts {
+ public:
+  FieldContacts(const Sdf& field, Real margin) : field_(field), margin_(margin) {}
+
+  void add(const FieldCandidate& c);
+  // Samples of the field that are within the margin of the other.
+  void add_samples(const OtherField& other);
+  // Led to where both are nearest: only where both are smooth it moves.
+  void refine(const OtherField& other);
+  // Returns how many manifolds; normals from the field to the other, times `sign`.
+  int finish(const Pose& pose, Real sign, Manifold* out);
+
+  Real margin() const { return margin_; }
+  const Sdf& field() const { return field_; }
+  // The deepest of what was added so far, at most `most`, no two near each other.
+  int deepest(FieldCandidate* out, int most) const;
+
+ private:
+  static constexpr int kMost = 96, kKept = 16;
+  void thin_out();
+
+  const Sdf& field_;
+  Real margin_;
+  int count_ = 0;
+  FieldCandidate candidates_[kMost];
+};
+
+// Point of a convex core, in the frame of the field, where the field is least near `start`: Frank and Wolfe 1956 with a
+// line search. Returns the distance there.
+Real least_over_convex(const Sdf& field, const Shape& convex, const Pose& place, const Vec3& start, Vec3& at,
+                       Vec3& normal);
+Real least_over_triangle(const Sdf& field, const Vec3 (&corners)[3], Vec3& at, Vec3& normal);
+
+}  // namespace feder
