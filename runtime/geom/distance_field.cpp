@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kMaxRoots = 8;   // along an axis, while levels are few
 constexpr int kMaxLevels = 5;
+constexpr int kOutsideSteps = 3;
 constexpr std::uint64_t kMostCorners = std::uint64_t(1) << 30;
 
 template <class T>
@@ -47,6 +48,136 @@ DistanceField::DistanceField(const FieldLayout& layout, std::vector<float> value
   FEDER_ASSERT(values_.size() == layout.corners() && layout.n[0] > 1 && layout.n[1] > 1 && layout.n[2] > 1);
 }
 
+// What a node is while the tree is built.
+struct DistanceField::Builder {
+  DistanceField& field;
+  Real band, tolerance;
+  Distance distance;
+  const void* context;
+
+  struct Brick {
+    int level = 0, at[3] = {0, 0, 0};  // in bricks of that level
+    std::uint32_t number = kNone;      // once kept
+    Real v[kBrick];
+  };
+
+  Real cell(int level) const { return field.layout_.spacing * Real(1 << level); }
+  Vec3 place(const Brick& b, Real x, Real y, Real z) const {  // in cells of the brick
+    const Real size = cell(b.level);
+    return field.layout_.origin +
+           size * Vec3(Real(kCells * b.at[0]) + x, Real(kCells * b.at[1]) + y, Real(kCells * b.at[2]) + z);
+  }
+  Real ask(const Brick& b, Real x, Real y, Real z) const { return distance(context, place(b, x, y, z)); }
+  void fill(Brick& b) const {
+    Real* to = b.v;
+    for (int z = 0; z < kCorners; ++z)
+      for (int y = 0; y < kCorners; ++y)
+        for (int x = 0; x < kCorners; ++x) *to++ = ask(b, Real(x), Real(y), Real(z));
+  }
+  // In the middle of a cell.
+  static Real middle_of(const Brick& b, int x, int y, int z) {
+    const Real* c = b.v + x + kCorners * (y + kCorners * z);
+    Real sum = 0;
+    for (const int dz : {0, kCorners * kCorners})
+      for (const int dy : {0, kCorners}) sum += c[dz + dy] + c[dz + dy + 1];
+    return sum / 8;
+  }
+  // At a place in half cells.
+  static Real between(const Brick& b, int x, int y, int z) {
+    const int i = std::min(x / 2, kCells - 1), j = std::min(y / 2, kCells - 1), k = std::min(z / 2, kCells - 1);
+    const Real t[3] = {Real(x - 2 * i) / 2, Real(y - 2 * j) / 2, Real(z - 2 * k) / 2};
+    const Real* c = b.v + i + kCorners * (j + kCorners * k);
+    Real sum = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const int u = corner & 1, v = corner >> 1 & 1, w = corner >> 2;
+      sum += c[u + kCorners * (v + kCorners * w)] * (u ? t[0] : 1 - t[0]) * (v ? t[1] : 1 - t[1]) *
+             (w ? t[2] : 1 - t[2]);
+    }
+    return sum;
+  }
+  bool close(Real got, Real exact) const {
+    return std::abs(got - exact) <= std::max(tolerance, std::abs(exact) / 8);
+  }
+  // Do the brick's cells from `first`, `count` along each axis, hold what is in their middles?
+  bool holds(const Brick& b, const int (&first)[3], int count) const {
+    for (int z = first[2]; z < first[2] + count; ++z)
+      for (int y = first[1]; y < first[1] + count; ++y)
+        for (int x = first[0]; x < first[0] + count; ++x)
+          if (!close(middle_of(b, x, y, z), ask(b, Real(x) + Real(0.5), Real(y) + Real(0.5), Real(z) + Real(0.5))))
+            return false;
+    return true;
+  }
+  std::uint32_t keep(Brick& b) const {
+    if (b.number != kNone) return b.number;
+    Real most = 0;
+    for (const Real x : b.v) most = std::max(most, std::abs(x));
+    const Real scale = most / 32767;
+    b.number = static_cast<std::uint32_t>(field.scale_.size());
+    field.scale_.push_back(static_cast<float>(scale));
+    field.level_.push_back(static_cast<std::uint8_t>(b.level));
+    for (const Real x : b.v)
+      field.bricks_.push_back(static_cast<std::int16_t>(scale > 0 ? std::lround(x / scale) : 0));
+    return b.number;
+  }
+
+  // Writes the node; `parent`: of the level above, null for roots.
+  void build(std::uint32_t node, int level, const int (&at)[3], Brick* parent) {
+    Brick own;
+    own.level = level;
+    for (int k = 0; k < 3; ++k) own.at[k] = at[k];
+    constexpr Real kHalf = Real(kCells) / 2;
+    const Real reach = Real(1.7320508) * kHalf * cell(level);
+    const bool near = std::abs(ask(own, kHalf, kHalf, kHalf)) <= reach + band;
+    if (!near && parent) {  // the parent's cells there may do
+      const int first[3] = {2 * (at[0] & 1), 2 * (at[1] & 1), 2 * (at[2] & 1)};
+      if (holds(*parent, first, 2)) {
+        field.nodes_[node] = kLeaf | keep(*parent);
+        return;
+      }
+    }
+    fill(own);
+    bool leaf = level == 0;
+    if (level == 0 && parent && tolerance <= 0) {
+      // no corner in the band: again the parent's may do, at every corner of this
+      bool enough = true;
+      for (int z = 0, i = 0; z < kCorners && enough; ++z)
+        for (int y = 0; y < kCorners; ++y)
+          for (int x = 0; x < kCorners; ++x, ++i)
+            enough = enough && std::abs(own.v[i]) > band &&
+                     close(between(*parent, kCells * (at[0] & 1) + x, kCells * (at[1] & 1) + y,
+                                   kCells * (at[2] & 1) + z),
+                           own.v[i]);
+      if (enough) {
+        field.nodes_[node] = kLeaf | keep(*parent);
+        return;
+      }
+    }
+    const int all[3] = {0, 0, 0};
+    if (!leaf && (!near || tolerance > 0)) leaf = holds_all(own, all, near);
+    if (leaf) {
+      field.nodes_[node] = kLeaf | keep(own);
+      return;
+    }
+    const auto child = static_cast<std::uint32_t>(field.nodes_.size());
+    field.nodes_[node] = child;
+    field.nodes_.resize(field.nodes_.size() + 8);
+    for (int k = 0; k < 8; ++k)
+      build(child + static_cast<std::uint32_t>(k), level - 1,
+            {2 * at[0] + (k & 1), 2 * at[1] + (k >> 1 & 1), 2 * at[2] + (k >> 2)}, &own);
+  }
+  // Near the surface only the tolerance counts.
+  bool holds_all(const Brick& b, const int (&first)[3], bool near) const {
+    if (!near) return holds(b, first, kCells);
+    for (int z = 0; z < kCells; ++z)
+      for (int y = 0; y < kCells; ++y)
+        for (int x = 0; x < kCells; ++x)
+          if (std::abs(middle_of(b, x, y, z) -
+                       ask(b, Real(x) + Real(0.5), Real(y) + Real(0.5), Real(z) + Real(0.5))) > tolerance)
+            return false;
+    return true;
+  }
+};
+
 DistanceField DistanceField::adaptive(FieldLayout layout, Real band, Real tolerance, Distance distance,
                                       const void* context) {
   DistanceField f;
@@ -64,67 +195,12 @@ DistanceField DistanceField::adaptive(FieldLayout layout, Real band, Real tolera
   }
   f.layout_ = layout, f.inverse_ = 1 / layout.spacing;
   f.nodes_.assign(std::size_t(f.roots_[0]) * std::size_t(f.roots_[1]) * std::size_t(f.roots_[2]), 0u);
+  Builder builder{f, band, tolerance, distance, context};
   std::uint32_t node = 0;
   for (int z = 0; z < f.roots_[2]; ++z)
     for (int y = 0; y < f.roots_[1]; ++y)
-      for (int x = 0; x < f.roots_[0]; ++x)
-        f.build_node(node++, f.levels_, {x, y, z}, band, tolerance, distance, context);
+      for (int x = 0; x < f.roots_[0]; ++x) builder.build(node++, f.levels_, {x, y, z}, nullptr);
   return f;
-}
-
-// `at`: in bricks of that level.
-void DistanceField::build_node(std::uint32_t node, int level, const int (&at)[3], Real band, Real tolerance,
-                               Distance distance, const void* context) {
-  const Real cell = layout_.spacing * Real(1 << level);
-  const auto place = [&](Real x, Real y, Real z) {  // in cells of the brick
-    return Vec3(layout_.origin + cell * Vec3(Real(kCells * at[0]) + x, Real(kCells * at[1]) + y,
-                                             Real(kCells * at[2]) + z));
-  };
-  constexpr Real kHalf = Real(kCells) / 2;
-  bool fine = level == 0;
-  if (!fine) {
-    const Real reach = Real(1.7320508) * kHalf * cell;
-    fine = std::abs(distance(context, place(kHalf, kHalf, kHalf))) > reach + cell + band;
-  }
-  Real v[kBrick];
-  const auto fill = [&] {
-    Real* to = v;
-    for (int z = 0; z < kCorners; ++z)
-      for (int y = 0; y < kCorners; ++y)
-        for (int x = 0; x < kCorners; ++x) *to++ = distance(context, place(Real(x), Real(y), Real(z)));
-  };
-  if (fine) fill();
-  if (!fine && tolerance > 0) {
-    fill();
-    fine = true;
-    for (int z = 0; z < kCells && fine; ++z)
-      for (int y = 0; y < kCells && fine; ++y)
-        for (int x = 0; x < kCells && fine; ++x) {
-          const Real* c = v + x + kCorners * (y + kCorners * z);
-          Real mean = 0;
-          for (const int dz : {0, kCorners * kCorners})
-            for (const int dy : {0, kCorners}) mean += c[dz + dy] + c[dz + dy + 1];
-          const Real middle = distance(context, place(Real(x) + Real(0.5), Real(y) + Real(0.5), Real(z) + Real(0.5)));
-          fine = std::abs(mean / 8 - middle) <= tolerance;
-        }
-  }
-  if (fine) {
-    Real most = 0;
-    for (const Real x : v) most = std::max(most, std::abs(x));
-    const Real scale = most / 32767;
-    nodes_[node] = kLeaf | static_cast<std::uint32_t>(scale_.size());
-    scale_.push_back(static_cast<float>(scale));
-    for (const Real x : v)
-      bricks_.push_back(static_cast<std::int16_t>(scale > 0 ? std::lround(x / scale) : 0));
-    return;
-  }
-  const auto child = static_cast<std::uint32_t>(nodes_.size());
-  nodes_[node] = child;
-  nodes_.resize(nodes_.size() + 8);
-  for (int k = 0; k < 8; ++k)
-    build_node(child + static_cast<std::uint32_t>(k), level - 1,
-               {2 * at[0] + (k & 1), 2 * at[1] + (k >> 1 & 1), 2 * at[2] + (k >> 2)}, band, tolerance, distance,
-               context);
 }
 
 void DistanceField::brick_cell(const Vec3& u, Cell& cell) const {
@@ -139,6 +215,7 @@ void DistanceField::brick_cell(const Vec3& u, Cell& cell) const {
                                                     (b[2] >> level & 1) << 2)];
   }
   const std::uint32_t brick = node & ~kLeaf;
+  level = level_[brick];  // of the parent, where that was enough
   int at[3];
   const Real shrink = Real(1) / Real(1 << level);
   for (int k = 0; k < 3; ++k) {
@@ -199,15 +276,28 @@ Real DistanceField::at(const Vec3& p, Vec3& slope) const {
   for (int k = 0; k < 3; ++k) in[k] = std::min(std::max(u[k], Real(0)), Real(layout_.n[k] - 1));  // NaN: 0
   const Real d = inside(in, &slope);
   if (u == in) return d;
-  const Vec3 at = layout_.origin + layout_.spacing * in;
-  const Vec3 surface = at - d * normalized_or(slope, Vec3(0, 1, 0)), away = p - surface;
+  // the surface point nearest to where the way to it enters the box
+  Vec3 away = u - in;
+  for (int i = 0;; ++i) {
+    const Vec3 surface = in - inverse_ * inside(in, &slope) * normalized_or(slope, Vec3(0, 1, 0));
+    away = u - surface;
+    if (i == kOutsideSteps) break;
+    Real enter = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Real limit = u[k] < 0 ? Real(0) : Real(layout_.n[k] - 1);
+      if (u[k] < 0 || u[k] > limit) enter = std::max(enter, (limit - u[k]) / (surface[k] - u[k]));
+    }
+    if (!(enter >= 0 && enter <= 1)) break;
+    for (int k = 0; k < 3; ++k)
+      in[k] = std::min(std::max(u[k] + enter * (surface[k] - u[k]), Real(0)), Real(layout_.n[k] - 1));
+  }
   slope = normalized_or(away, Vec3(0, 1, 0));
-  return length(away);
+  return layout_.spacing * length(away);
 }
 
 std::size_t DistanceField::bytes() const {
   return sizeof(float) * (values_.size() + scale_.size()) + sizeof(std::uint32_t) * nodes_.size() +
-         sizeof(std::int16_t) * bricks_.size();
+         sizeof(std::int16_t) * bricks_.size() + level_.size();
 }
 
 std::string DistanceField::content() const {
@@ -215,7 +305,8 @@ std::string DistanceField::content() const {
   const double head[4] = {layout_.origin[0], layout_.origin[1], layout_.origin[2], layout_.spacing};
   const std::int32_t whole[7] = {layout_.n[0], layout_.n[1], layout_.n[2], levels_, roots_[0], roots_[1], roots_[2]};
   put(out, head, 4), put(out, whole, 7);
-  put_list(out, values_), put_list(out, nodes_), put_list(out, scale_), put_list(out, bricks_);
+  put_list(out, values_), put_list(out, nodes_), put_list(out, scale_), put_list(out, level_),
+      put_list(out, bricks_);
   return out;
 }
 
@@ -227,7 +318,8 @@ DistanceField DistanceField::from_content(std::string_view bytes) {
   f.layout_.origin = Vec3(Real(head[0]), Real(head[1]), Real(head[2])), f.layout_.spacing = Real(head[3]);
   for (int k = 0; k < 3; ++k) f.layout_.n[k] = whole[k], f.roots_[k] = whole[4 + k];
   f.levels_ = whole[3];
-  take_list(bytes, f.values_), take_list(bytes, f.nodes_), take_list(bytes, f.scale_), take_list(bytes, f.bricks_);
+  take_list(bytes, f.values_), take_list(bytes, f.nodes_), take_list(bytes, f.scale_), take_list(bytes, f.level_),
+      take_list(bytes, f.bricks_);
   f.check();
   f.inverse_ = 1 / f.layout_.spacing;
   return f;
@@ -246,7 +338,8 @@ void DistanceField::check() const {
     require(corners <= kMostCorners << 6);
   }
   if (!is_adaptive()) return require(values_.size() == corners);
-  require(levels_ <= kMaxLevels && bricks_.size() == scale_.size() * kBrick);
+  require(levels_ <= kMaxLevels && bricks_.size() == scale_.size() * kBrick && level_.size() == scale_.size());
+  for (const std::uint8_t level : level_) require(level <= levels_);
   std::uint64_t roots = 1;
   for (int k = 0; k < 3; ++k) {
     require(roots_[k] >= 1 && roots_[k] * (kCells << levels_) + 1 == layout_.n[k]);

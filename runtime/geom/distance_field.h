@@ -29,9 +29,9 @@ class DistanceField {
   DistanceField() = default;
   DistanceField(const FieldLayout& layout, std::vector<float> values);  // x fastest
 
-  // Bricks as they are found, top down. distance(context, p) is asked for every corner. Where |distance| is above
-  // `band`, cells grow with the distance; nearer, a cell is finest unless `tolerance` > 0 and what lies between its
-  // corners is off by no more than that at its middle. The layout is rounded up to whole bricks.
+  // Bricks as they are found, top down, by asking distance(context, p). Where |distance| is above `band`, cells grow as
+  // long as what lies between their corners is off by no more than an eighth of the distance; nearer, a cell is finest
+  // unless `tolerance` (m) is above 0 and kept at its middle. The layout is rounded up to whole bricks.
   using Distance = Real (*)(const void* context, const Vec3& p);
   static DistanceField adaptive(FieldLayout layout, Real band, Real tolerance, Distance distance, const void* context);
 
@@ -58,8 +58,7 @@ class DistanceField {
   void cell_of(const Vec3& u, Cell& cell) const;  // u: in cells of the finest spacing, within the box
   void brick_cell(const Vec3& u, Cell& cell) const;
   Real inside(const Vec3& p, Vec3* slope) const;
-  void build_node(std::uint32_t node, int level, const int (&at)[3], Real band, Real tolerance, Distance distance,
-                  const void* context);
+  struct Builder;
   void check() const;
 
   FieldLayout layout_;
@@ -70,6 +69,7 @@ class DistanceField {
   int roots_[3] = {0, 0, 0};
   std::vector<std::uint32_t> nodes_;  // roots first, x fastest; kLeaf | brick, or the first of eight children
   std::vector<float> scale_;          // by brick, m
+  std::vector<std::uint8_t> level_;   // by brick
   std::vector<std::int16_t> bricks_;
 };
 

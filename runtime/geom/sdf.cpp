@@ -22,6 +22,7 @@ constexpr Real kHullSlack = Real(0.005);  // of the extent: what 512 directions 
 constexpr int kMaxBalls = 12, kBallSeeds = 256;
 constexpr int kParts = 3;        // of a cell, along each axis, for the volume
 constexpr int kMaxRaySteps = 512;
+constexpr Real kShort = Real(0.4);  // a slope that says no direction
 
 Real half_diagonal(const Aabb& box) { return length(box.hi - box.lo) / 2; }
 
@@ -276,8 +277,23 @@ Real Sdf::distance(const Vec3& p, Real limit, Vec3& normal) const {
     return out;
   }
   const Real d = field_.at(p, slope);
+  if (!(dot(slope, slope) > kShort * kShort)) slope = slope_across(p, d);
   normal = normalized_or(slope, Vec3(0, 1, 0));
   return d;
+}
+
+// Where several surfaces are equally near: away from one of them.
+Vec3 Sdf::slope_across(const Vec3& p, Real d) const {
+  const Real h = field_.layout().spacing, sign = d < 0 ? Real(-1) : Real(1);
+  Vec3 best = Vec3(0, 1, 0);
+  Real nearest = kInfinity;
+  for (int k = 0; k < 6; ++k) {
+    Vec3 step = Vec3::Zero();
+    step[k / 2] = k % 2 ? h : -h;
+    const Real there = sign * field_.at(p + step);
+    if (there < nearest) nearest = there, best = -sign * step;
+  }
+  return best;
 }
 
 bool Sdf::raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const {

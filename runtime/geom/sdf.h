@@ -56,6 +56,7 @@ class Sdf final : public Shape {
   void take_hull(const IsoMesh& mesh);
   void take_balls();
   void integrate();
+  Vec3 slope_across(const Vec3& p, Real d) const;
 
   DistanceField field_;
   Real error_;

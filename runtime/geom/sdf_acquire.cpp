@@ -1,6 +1,6 @@
-// exact: the nearest triangle of each corner, sought no farther than the neighbour's and the way from it. rasterise:
-// triangles are drawn into the corners two cells around, then the nearest triangle's number is handed on in eight
-// sweeps (Bridson 2015, 4.1). Signs: neighbours that are farther from the surface together than from each other lie on
+// rasterise: triangles are drawn into the corners two cells around, then the nearest triangle's number is handed on in
+// eight sweeps (Bridson 2015, 4.1). exact: then, within six cells of the surface,
+// whether another is nearer is sought in the hierarchy. Signs: neighbours that are farther from the surface together than from each other lie on
 // one side, so one winding number serves a whole region; rays: parity of crossings along three axes, two votes of
 // three. Weak spots: swept distances far from the surface may be those of the second nearest triangle, a few per cent
 // too large; parity is wrong where a mesh is open or crosses itself, winding where more than half is missing.
@@ -12,30 +12,11 @@
 namespace feder {
 namespace {
 
-constexpr int kBand = 2;  // cells
+constexpr int kBand = 2;             // cells
+constexpr Real kSearched = Real(6);  // cells: farther out a few per cent do not matter
 
 std::size_t index_of(const FieldLayout& at, int x, int y, int z) {
   return std::size_t(x) + std::size_t(at.n[0]) * (std::size_t(y) + std::size_t(at.n[1]) * std::size_t(z));
-}
-
-std::vector<float> nearest_triangles(const TriangleField& triangles, const FieldLayout& at) {
-  std::vector<float> values(at.corners());
-  Real last = kInfinity;
-  for (int z = 0; z < at.n[2]; ++z)
-    for (int row = 0; row < at.n[1]; ++row) {
-      const int y = z % 2 ? at.n[1] - 1 - row : row;  // to and fro, so that the last is a neighbour
-      for (int column = 0; column < at.n[0]; ++column) {
-        const int x = row % 2 == z % 2 * (at.n[1] % 2 == 0 ? 1 : 0) ? column : at.n[0] - 1 - column;
-        std::uint32_t triangle;
-        const Vec3 p = at.corner(x, y, z);
-        // the last need not be a neighbour after all: then all is searched
-        Real d = triangles.nearest(p, last + Real(1.01) * at.spacing, triangle);
-        if (triangle == kNone) d = triangles.nearest(p, kInfinity, triangle);
-        last = std::sqrt(d);
-        values[index_of(at, x, y, z)] = static_cast<float>(last);
-      }
-    }
-  return values;
 }
 
 // Corners of the grid within `reach` of a box, clipped.
@@ -84,6 +65,19 @@ std::vector<float> rasterised(const TriangleField& triangles, const FieldLayout&
   }
   for (float& v : values) v = std::sqrt(v);
   return values;
+}
+
+// Near the surface; what was swept is a bound that leaves little to search.
+void search_nearer(const TriangleField& triangles, const FieldLayout& at, std::vector<float>& values) {
+  std::size_t i = 0;
+  for (int z = 0; z < at.n[2]; ++z)
+    for (int y = 0; y < at.n[1]; ++y)
+      for (int x = 0; x < at.n[0]; ++x, ++i) {
+        if (Real(values[i]) > kSearched * at.spacing) continue;
+        std::uint32_t triangle;
+        const Real d = triangles.nearest(at.corner(x, y, z), Real(values[i]), triangle);
+        if (triangle != kNone) values[i] = static_cast<float>(std::sqrt(d));
+      }
 }
 
 // Regions that no triangle parts, each with the sign of one of its corners.
@@ -203,7 +197,8 @@ void sign_by_rays(const TriangleField& triangles, const FieldLayout& at, std::ve
 
 Acquired acquire(const TriangleField& triangles, const FieldLayout& layout, SdfAcquire how) {
   Acquired out;
-  out.values = how == SdfAcquire::exact ? nearest_triangles(triangles, layout) : rasterised(triangles, layout);
+  out.values = rasterised(triangles, layout);
+  if (how == SdfAcquire::exact) search_nearer(triangles, layout, out.values);
   if (how == SdfAcquire::rays)
     sign_by_rays(triangles, layout, out.values);
   else

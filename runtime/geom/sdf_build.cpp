@@ -1,6 +1,5 @@
 // Fields from meshes, shapes, functions and values: checks, layout, distances, and what was lost (the certificate).
-// What is no distance (its slope differs from 1 by more than a twentieth on average near the surface) is measured anew
-// from the triangles of its surface.
+// What is no distance is measured anew from the triangles of its surface.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -21,7 +20,7 @@ constexpr double kSlopeSlack = 0.05;
 constexpr int kProbes = 2000;
 constexpr Real kThin = Real(0.6);      // of a cell: no deeper a cell below the surface, and the wall is thin
 constexpr double kThinShare = 0.05;    // of the probes
-constexpr Real kAdaptiveBand = 2;      // cells
+constexpr Real kAdaptiveBand = Real(1.05);  // cells
 
 std::string text(double x) {
   char out[32];
@@ -77,7 +76,7 @@ struct Truth {
   std::vector<Vec3> probes = {}, normals = {};  // on the surface, for thin walls; none: the field's own samples
 };
 
-// Largest error within two cells of the surface.
+// Largest error within a cell of the surface.
 Real certificate(const Sdf& shape, const Truth& truth) {
   Rng rng(11);
   Real worst = 0;
@@ -85,7 +84,9 @@ Real certificate(const Sdf& shape, const Truth& truth) {
   for (int i = 0; i < kProbes; ++i) {
     const Sdf::Sample& s = samples[rng.next() % samples.size()];
     const Real h = shape.field().layout().spacing;
-    const Vec3 p = s.at + 2 * h * Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    Vec3 p = s.at + rng.uniform(-h, h) * s.normal;
+    p += h / 2 * Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    if (std::abs(shape.field().at(p)) > h) continue;
     worst = std::max(worst, std::abs(shape.field().at(p) - truth.distance(p)));
   }
   return worst;
@@ -171,12 +172,16 @@ ShapePtr from_triangles(const SdfDesc& d, const TriangleField& mesh) {
     truth.probes.push_back((c[i] + c[i + 1] + c[i + 2]) / 3);
     truth.normals.push_back(normalized_or(cross(c[i + 1] - c[i], c[i + 2] - c[i]), Vec3(0, 1, 0)));
   }
-  if (d.adaptive) return finish(sampled(at, d, truth), truth, std::move(warnings));
+  if (d.adaptive && at.corners() > kMostSdfCorners) return finish(sampled(at, d, truth), truth, std::move(warnings));
   Acquired got = acquire(mesh, at, d.acquire);
   if (got.most_turns > 1.5)
     warnings.push_back("parts of the mesh lie in each other (it goes round " + text(std::round(got.most_turns)) +
                        " times in places): they count as inside once");
-  return finish(DistanceField(at, std::move(got.values)), truth, std::move(warnings));
+  DistanceField dense(at, std::move(got.values));
+  if (!d.adaptive) return finish(std::move(dense), truth, std::move(warnings));
+  Truth own;
+  own.distance = [&](const Vec3& p) { return dense.at(p); };
+  return finish(sampled(at, d, own), truth, std::move(warnings));
 }
 
 // --- functions and values
@@ -229,29 +234,52 @@ TriangleField surface_of(const FieldLayout& at, const std::vector<float>& values
   return TriangleField(std::move(corners));
 }
 
+// Values that are no distances become such: all of them where the slope at the surface is wrong, else those that miss
+// the distance to the surface by more than cells cut off from an edge, and whose own nearest point is not on it (within
+// a union, beyond a cut).
+constexpr Real kCutOff = Real(0.6), kBeside = Real(0.5);  // cells
+void correct(const FieldLayout& at, std::vector<float>& values, Truth& truth) {
+  const Real most_off = slope_error(at, values) <= kSlopeSlack ? kCutOff * at.spacing : Real(0);
+  const auto surface = std::make_shared<TriangleField>(surface_of(at, values));
+  const Acquired measured = acquire(*surface, at, SdfAcquire::rasterise);
+  std::size_t changed = 0;
+  const auto most = static_cast<float>(most_off);
+  const DistanceField as_given(at, values);
+  const auto beside = [&](const Vec3& p) {  // does the way along its slope end beside the surface?
+    Vec3 slope = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) {
+      Vec3 step = Vec3::Zero();
+      step[k] = at.spacing;
+      slope[k] = as_given.at(p + step) - as_given.at(p - step);
+    }
+    return std::abs(as_given.at(p - as_given.at(p) * normalized_or(slope, Vec3::Zero()))) > kBeside * at.spacing;
+  };
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const float exact = std::copysign(measured.values[i], values[i] < 0 ? -1.0f : 1.0f);  // the sign as it was given
+    if (!(std::abs(values[i] - exact) > most)) continue;
+    const auto row = std::size_t(at.n[0]), layer = row * std::size_t(at.n[1]);
+    if (most > 0 && !beside(at.corner(static_cast<int>(i % row), static_cast<int>(i / row % std::size_t(at.n[1])),
+                                      static_cast<int>(i / layer))))
+      continue;
+    values[i] = exact, ++changed;
+  }
+  if (changed == 0) return;
+  truth.distance = [given = truth.distance, surface, most_off](const Vec3& p) {
+    const Real exact = surface->signed_distance(p);
+    if (!given) return exact;
+    const Real first = given(p);
+    return std::abs(first - exact) > 2 * most_off ? exact : first;  // in a cell that is cut off: as given
+  };
+}
+
 ShapePtr from_values(const SdfDesc& d, const FieldLayout& at, std::vector<float> values, Truth truth) {
   check_rim(at, values);
-  const bool distances = slope_error(at, values) <= kSlopeSlack;
-  if (distances && !d.adaptive) return finish(DistanceField(at, std::move(values)), truth, {});
-  if (distances && truth.distance) return finish(sampled(at, d, truth), truth, {});
-  if (distances) {
-    const DistanceField dense(at, std::move(values));
-    Truth own;
-    own.distance = [&](const Vec3& p) { return dense.at(p); };
-    return finish(sampled(at, d, own), {}, {});
-  }
-  // the sign as it was given, the distance to the surface
-  const TriangleField surface = surface_of(at, values);
-  Acquired got = acquire(surface, at, SdfAcquire::rasterise);
-  for (std::size_t i = 0; i < values.size(); ++i)
-    got.values[i] = std::copysign(got.values[i], values[i] < 0 ? -1.0f : 1.0f);
-  const DistanceField dense(at, std::move(got.values));
-  Truth anew;
-  anew.distance = [&](const Vec3& p) { return surface.signed_distance(p); };
-  if (!d.adaptive) return finish(dense, anew, {});
+  correct(at, values, truth);
+  DistanceField dense(at, std::move(values));
+  if (!d.adaptive) return finish(std::move(dense), truth, {});
   Truth own;
   own.distance = [&](const Vec3& p) { return dense.at(p); };
-  return finish(sampled(at, d, own), anew, {});
+  return finish(sampled(at, d, own), truth, {});
 }
 
 FieldLayout layout_of_size(const SdfDesc& d, const Vec3& middle) {
@@ -320,7 +348,15 @@ ShapePtr from_shape(const SdfDesc& d) {
     Vec3 normal;
     return d.shape->distance(p, kInfinity, normal);
   };
-  return finish(sampled(layout_around(box, spacing, kPadding, d.adaptive), d, truth), truth, {});
+  const FieldLayout at = layout_around(box, spacing, kPadding, d.adaptive);
+  if (d.shape->parts().size() < 2) return finish(sampled(at, d, truth), truth, {});
+  // parts may lie in each other: the least of their distances is none of the whole
+  std::vector<float> values;
+  values.reserve(at.corners());
+  for (int z = 0; z < at.n[2]; ++z)
+    for (int y = 0; y < at.n[1]; ++y)
+      for (int x = 0; x < at.n[0]; ++x) values.push_back(static_cast<float>(truth.distance(at.corner(x, y, z))));
+  return from_values(d, at, std::move(values), truth);
 }
 
 }  // namespace
