@@ -21,6 +21,9 @@ class Sdf final : public Shape {
   // SceneError when the field has no inside.
   Sdf(DistanceField field, Real error, std::vector<std::string> warnings);
 
+  // What its maker found, before it is shared.
+  void certify(Real error, std::vector<std::string> warnings) { error_ = error, warnings_ = std::move(warnings); }
+
   Aabb bounds(const Pose& pose) const override;
   MassProperties mass(Real density) const override;
   Real extent(const Vec3& center) const override;

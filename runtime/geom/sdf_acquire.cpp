@@ -1,5 +1,5 @@
-// rasterise: triangles are drawn into the corners two cells around, then the nearest triangle's number is handed on in
-// eight sweeps (Bridson 2015, 4.1). exact: then, within six cells of the surface,
+// rasterise: triangles are drawn into the corners a cell around, then the nearest triangle's number is handed on in
+// eight sweeps (Bridson 2015, 4.1). exact: then, within three cells of the surface,
 // whether another is nearer is sought in the hierarchy. Signs: neighbours that are farther from the surface together than from each other lie on
 // one side, so one winding number serves a whole region; rays: parity of crossings along three axes, two votes of
 // three. Weak spots: swept distances far from the surface may be those of the second nearest triangle, a few per cent
@@ -12,8 +12,8 @@
 namespace feder {
 namespace {
 
-constexpr int kBand = 2;             // cells
-constexpr Real kSearched = Real(6);  // cells: farther out a few per cent do not matter
+constexpr int kBand = 1;             // cells
+constexpr Real kSearched = Real(3);  // cells: farther out a few per cent do not matter
 
 std::size_t index_of(const FieldLayout& at, int x, int y, int z) {
   return std::size_t(x) + std::size_t(at.n[0]) * (std::size_t(y) + std::size_t(at.n[1]) * std::size_t(z));
@@ -29,10 +29,10 @@ void range_of(const FieldLayout& at, const Aabb& box, Real reach, int (&lo)[3], 
 }
 
 std::vector<float> rasterised(const TriangleField& triangles, const FieldLayout& at) {
-  std::vector<float> values(at.corners(), std::numeric_limits<float>::infinity());  // squared until the end
+  std::vector<float> values(at.corners(), std::numeric_limits<float>::infinity());
   std::vector<std::uint32_t> nearest(at.corners(), kNone);
   const auto offer = [&](std::size_t i, const Vec3& p, std::uint32_t triangle) {
-    const auto d = static_cast<float>(triangles.distance_squared(p, triangle));
+    const auto d = static_cast<float>(std::sqrt(triangles.distance_squared(p, triangle)));
     if (d < values[i]) values[i] = d, nearest[i] = triangle;
   };
   const std::span<const Vec3> corners = triangles.corners();
@@ -45,6 +45,9 @@ std::vector<float> rasterised(const TriangleField& triangles, const FieldLayout&
       for (int y = lo[1]; y <= hi[1]; ++y)
         for (int x = lo[0]; x <= hi[0]; ++x) offer(index_of(at, x, y, z), at.corner(x, y, z), t);
   }
+  float way[8];  // to the neighbour, m
+  for (int from = 0; from < 8; ++from)
+    way[from] = static_cast<float>(at.spacing * std::sqrt(Real((from & 1) + (from >> 1 & 1) + (from >> 2))));
   for (int sweep = 0; sweep < 8; ++sweep) {
     const int step[3] = {sweep & 1 ? -1 : 1, sweep & 2 ? -1 : 1, sweep & 4 ? -1 : 1};
     const auto first = [&](int k) { return step[k] > 0 ? 0 : at.n[k] - 1; };
@@ -57,13 +60,14 @@ std::vector<float> rasterised(const TriangleField& triangles, const FieldLayout&
           for (int from = 1; from < 8; ++from) {
             const int a = from & 1 ? x - step[0] : x, b = from & 2 ? y - step[1] : y, c = from & 4 ? z - step[2] : z;
             if (a < 0 || b < 0 || c < 0 || a >= at.n[0] || b >= at.n[1] || c >= at.n[2]) continue;
-            const std::uint32_t t = nearest[index_of(at, a, b, c)];
-            if (t == kNone || t == nearest[i] || t == tried) continue;
+            const std::size_t j = index_of(at, a, b, c);
+            const std::uint32_t t = nearest[j];
+            // no nearer here than there by more than the way
+            if (t == kNone || t == nearest[i] || t == tried || values[j] - way[from] >= values[i]) continue;
             offer(i, p, tried = t);
           }
         }
   }
-  for (float& v : values) v = std::sqrt(v);
   return values;
 }
 

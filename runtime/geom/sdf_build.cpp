@@ -100,21 +100,18 @@ double thin_share(const DistanceField& field, const std::vector<Vec3>& at, const
 }
 
 ShapePtr finish(DistanceField field, const Truth& truth, std::vector<std::string> warnings) {
-  const Real h = field.layout().spacing;
-  const auto warn_thin = [&](double share) {
-    if (share > kThinShare)
-      warnings.push_back("walls thinner than 2 cells on " + text(std::round(100 * share)) + " % of the surface: a spacing of " +
-                         text(h / 2) + " m in place of " + text(h) + " keeps them better");
-  };
-  if (!truth.probes.empty()) warn_thin(thin_share(field, truth.probes, truth.normals));
-  Sdf probe(field, -1, {});
-  if (truth.probes.empty()) {
-    std::vector<Vec3> at, normals;
-    for (const Sdf::Sample& s : probe.samples()) at.push_back(s.at), normals.push_back(s.normal);
-    warn_thin(thin_share(field, at, normals));
-  }
-  const Real error = truth.distance ? certificate(probe, truth) : Real(-1);
-  return std::make_shared<Sdf>(std::move(field), error, std::move(warnings));
+  const auto shape = std::make_shared<Sdf>(std::move(field), -1, std::vector<std::string>{});
+  std::vector<Vec3> at = truth.probes, normals = truth.normals;
+  if (at.empty())
+    for (const Sdf::Sample& s : shape->samples()) at.push_back(s.at), normals.push_back(s.normal);
+  const double thin = thin_share(shape->field(), at, normals);
+  const Real h = shape->field().layout().spacing;
+  if (thin > kThinShare)
+    warnings.push_back("walls thinner than 2 cells on " + text(std::round(100 * thin)) +
+                       " % of the surface: a spacing of " + text(h / 2) + " m in place of " + text(h) +
+                       " keeps them better");
+  shape->certify(truth.distance ? certificate(*shape, truth) : Real(-1), std::move(warnings));
+  return shape;
 }
 
 Real ask_truth(const void* truth, const Vec3& p) { return static_cast<const Truth*>(truth)->distance(p); }
