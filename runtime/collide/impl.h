@@ -17,6 +17,9 @@
 
 namespace feder {
 
+struct Sweep;
+int find_field_kind();
+
 // Distances of a pair, all in proportion to its margin, so that tiny shapes get tiny tolerances.
 //  - margin: contacts exist (and are solved) below this separation. 2 cm catches a body at 1 m/s in the step before
 //    contact; a tenth of the smaller shape keeps a 1 cm die from being solved against all its neighbours.
@@ -29,6 +32,7 @@ inline constexpr Real kSpeculativeShare = Real(0.1);   // of the smaller shape's
 inline constexpr Real kContactBegin = Real(1) / 40;    // of the margin
 inline constexpr Real kContactEnd = Real(1) / 10;      // of the margin
 inline constexpr Real kRecycleDistance = Real(1) / 8;  // of the margin
+inline constexpr Real kRecycleOnField = Real(1) / 100;  // of the margin: its normals change along the surface
 // Recycled arms keep their directions in the world, so a pair that rotates together must be tested again: 0.01 rad
 // shifts the load of a point by a hundredth. The normal is rotated along from a smaller angle on: it decides what
 // slides on a slope, and 1e-4 rad moves the limit of friction on a slope of 5 degrees by a thousandth.
@@ -193,7 +197,14 @@ struct Collide::Impl {
 
   // obstacles.cpp
   bool may_pass(std::uint32_t a, std::uint32_t b, Real dt) const;
+  Sweep sweep_of(std::uint32_t i, Real dt) const;
+  template <class F>
+  int collide_at(Real time, const Sweep& a, const Sweep& b, Real margin, PairCache& cache, Manifold* found,
+                 Vec3& ahead, F&& nearer);
   int look_ahead(std::uint32_t a, std::uint32_t b, Real margin, Real dt, Manifold* found, Vec3& ahead);
+  int collide_midway(std::uint32_t a, std::uint32_t b, Real margin, Real dt, PairCache& cache, Manifold* found,
+                     Vec3& ahead);
+  bool is_field(std::uint32_t i) const { return colliders->shape[i]->kind_id() == field_kind; }
 
   // seams.cpp
   std::uint32_t ghosts_of(const ContactEntry& e, std::span<const SeamEntry> group) const;
@@ -237,6 +248,7 @@ struct Collide::Impl {
   ContactBook* book;
   std::unique_ptr<BroadPhase> broad;
   NarrowPhase narrow;
+  int field_kind = find_field_kind();  // of distance fields; -1: none in this build
 
   Array<BoxMotion> motion{&arena};                       // by collider
   Array<std::uint32_t> examined{&arena};                 // colliders that may have changed or moved, ascending

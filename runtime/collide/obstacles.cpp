@@ -11,6 +11,7 @@ namespace feder {
 static constexpr Real kStopShort = Real(1) / 4;
 // Two moving bodies may come nearer by so many depths of the thinner one's core before what comes is looked for.
 static constexpr Real kFreeDepths = 2;
+static constexpr Real kFarArm = Real(1e6);  // m, for what has no bounds
 
 Real Collide::core_depth(const Shape& shape) const {
   return shape.convex() ? (1 - kCoreScale) * least_half_width(shape) : kInfinity;
@@ -28,31 +29,60 @@ bool Collide::Impl::may_pass(std::uint32_t a, std::uint32_t b, Real dt) const {
   return moves(a) && moves(b) && dot(nearer, c.center[b] - c.center[a]) < 0;
 }
 
-// Where two bodies that are apart will meet in this step, as they move now: the manifold of that time, with the gaps of
-// now, so that the solver lets them close and no more. `ahead`: how far b's centre comes nearer until then. Only what
-// would reach the core counts: a corner that brushes along is left to the next step.
-int Collide::Impl::look_ahead(std::uint32_t a, std::uint32_t b, Real margin, Real dt, Manifold* found, Vec3& ahead) {
+int find_field_kind() {
+  const auto kinds = shape_kinds();
+  const auto it = std::find_if(kinds.begin(), kinds.end(), [](const ShapeKind& kind) { return kind.fields != nullptr; });
+  return it == kinds.end() ? -1 : static_cast<int>(it - kinds.begin());
+}
+
+// How a collider's owner moves in this step, as it moves now.
+Sweep Collide::Impl::sweep_of(std::uint32_t i, Real dt) const {
   const Colliders& c = *colliders;
-  const auto sweep = [&](std::uint32_t i) {
-    const Pose owner{c.center[i], c.pose[i].rotation * conjugate(c.local[i].rotation)};
-    return Sweep{c.shape[i],     c.local[i],        owner, dt * c.velocity[i], dt * c.angular_velocity[i],
-                 seen[i].extent, seen[i].half_width};
-  };
-  const Sweep sweep_a = sweep(a), sweep_b = sweep(b);
-  const Real time = time_of_impact(sweep_a, sweep_b, 0, 1, margin / 2).time;
-  if (!(time <= 1)) return 0;
-  PairCache cache;
-  const int count = narrow.collide(*c.shape[a], sweep_a.at(time), *c.shape[b], sweep_b.at(time), margin, cache, found);
-  ahead = time * (sweep_b.shift - sweep_a.shift);
+  const Pose owner{c.center[i], c.pose[i].rotation * conjugate(c.local[i].rotation)};
+  return {c.shape[i],     c.local[i],        owner, dt * c.velocity[i], dt * c.angular_velocity[i],
+          seen[i].extent, seen[i].half_width};
+}
+
+// The manifolds at that fraction of the step. `ahead`: how far b's centre comes nearer until then; `nearer`(n, k): by how
+// much the point k of the manifold n does, along the normal.
+template <class F>
+int Collide::Impl::collide_at(Real time, const Sweep& a, const Sweep& b, Real margin, PairCache& cache, Manifold* found,
+                              Vec3& ahead, F&& nearer) {
+  const int count = narrow.collide(*a.shape, a.at(time), *b.shape, b.at(time), margin, cache, found);
+  ahead = time * (b.shift - a.shift);
   for (int n = 0; n < count; ++n)
     for (int k = 0; k < found[n].count; ++k) {
       ManifoldPoint& q = found[n].points[k];
-      q.position -= time * sweep_a.shift;
-      const Vec3 arm_a = q.position - c.center[a], arm_b = q.position - c.center[b] - ahead;
-      const Vec3 nearer = ahead + time * (cross(sweep_b.turn, arm_b) - cross(sweep_a.turn, arm_a));
-      q.separation -= std::min(dot(nearer, found[n].normal), Real(0));
+      q.position -= time * a.shift;
+      const Vec3 arm_a = q.position - a.from.position, arm_b = q.position - b.from.position - ahead;
+      const Vec3 by = ahead + time * (cross(b.turn, arm_b) - cross(a.turn, arm_a));
+      q.separation -= nearer(dot(by, found[n].normal));
     }
   return count;
+}
+
+// Where two bodies that are apart will meet in this step, as they move now: the manifold of that time, with the gaps of
+// now, so that the solver lets them close and no more. Only what would reach the core counts: a corner that brushes
+// along is left to the next step.
+int Collide::Impl::look_ahead(std::uint32_t a, std::uint32_t b, Real margin, Real dt, Manifold* found, Vec3& ahead) {
+  const Sweep sweep_a = sweep_of(a, dt), sweep_b = sweep_of(b, dt);
+  const Real time = time_of_impact(sweep_a, sweep_b, 0, 1, margin / 2).time;
+  if (!(time <= 1)) return 0;
+  PairCache cache;
+  return collide_at(time, sweep_a, sweep_b, margin, cache, found, ahead,
+                    [](Real closer) { return std::min(closer, Real(0)); });
+}
+
+// Of a distance field, whose surface curves under the contact: in the middle of the step. Normals of its beginning push
+// what rolls or swings under load too late and feed it: by (k dt^2/m)/4 per step, where the load over the radius is k.
+int Collide::Impl::collide_midway(std::uint32_t a, std::uint32_t b, Real margin, Real dt, PairCache& cache,
+                                  Manifold* found, Vec3& ahead) {
+  const Sweep sweep_a = sweep_of(a, dt), sweep_b = sweep_of(b, dt);
+  const Real way = length(sweep_b.shift - sweep_a.shift) + length(sweep_a.turn) * std::min(sweep_a.extent, kFarArm) +
+                   length(sweep_b.turn) * std::min(sweep_b.extent, kFarArm);
+  Real time = Real(0.5);
+  if (way * time > margin) time = margin / way;
+  return collide_at(time, sweep_a, sweep_b, margin, cache, found, ahead, [](Real closer) { return closer; });
 }
 
 void Collide::obstacles(std::uint32_t collider, const Aabb& box, bool moving, Array<std::uint32_t>& found) const {

@@ -204,7 +204,9 @@ bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
   const Vec3 apart = between - m.between;
   const Vec3 shift = m.about_a ? Vec3(apart - cross(rotation_b, between)) : Vec3(apart - cross(rotation_a, between));
   const Real drift = length(shift) + length(rotation_b - rotation_a) * m.extent;
-  if (!(drift < kRecycleDistance * m.margin)) return false;
+  const bool on_field = group.size() > 1 && (is_field(a) || is_field(b));
+  const Real limit_of_drift = on_field ? kRecycleOnField : kRecycleDistance;
+  if (!(drift < limit_of_drift * m.margin)) return false;
 
   // separations, and normals rotated along
   const Vec3 common = common_rotation(rotation_a, rotation_b);
@@ -232,10 +234,12 @@ std::uint32_t Collide::Impl::test_fresh(std::span<const ContactEntry> group, Rea
   PairMemory& m = memory[group[0].pair];
   const std::uint32_t a = group[0].a, b = group[0].b;
   Manifold found[kMaxManifolds];
-  int count = narrow.collide(*c.shape[a], c.pose[a], *c.shape[b], c.pose[b], margin, m.cache, found);
+  Vec3 ahead = Vec3::Zero();
+  int count = group.size() > 1 && (is_field(a) || is_field(b))
+                  ? collide_midway(a, b, margin, dt, m.cache, found, ahead)
+                  : narrow.collide(*c.shape[a], c.pose[a], *c.shape[b], c.pose[b], margin, m.cache, found);
   FEDER_ASSERT(count >= 0 && static_cast<std::size_t>(count) <= group.size());
   m.valid = 1;
-  Vec3 ahead = Vec3::Zero();
   if (count == 0 && may_pass(a, b, dt)) {
     count = look_ahead(a, b, margin, dt, found, ahead);
     m.valid = count == 0;

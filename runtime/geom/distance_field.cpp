@@ -295,6 +295,16 @@ Real DistanceField::at(const Vec3& p, Vec3& slope) const {
   return layout_.spacing * length(away);
 }
 
+Real DistanceField::smooth_at(const Vec3& p, Vec3& slope) const {
+  const Real half = layout_.spacing / 2;
+  for (int k = 0; k < 3; ++k) {
+    Vec3 to = p, from = p;
+    to[k] += half, from[k] -= half;
+    slope[k] = inverse_ * (at(to) - at(from));
+  }
+  return at(p);
+}
+
 std::size_t DistanceField::bytes() const {
   return sizeof(float) * (values_.size() + scale_.size()) + sizeof(std::uint32_t) * nodes_.size() +
          sizeof(std::int16_t) * bricks_.size() + level_.size();

@@ -95,7 +95,7 @@ void Sdf::take_samples(const IsoMesh& mesh) {
   normals.reserve(mesh.vertices.size());
   for (const Vec3& v : mesh.vertices) {
     Vec3 slope;
-    field_.at(v, slope);
+    field_.smooth_at(v, slope);
     normals.push_back(normalized_or(slope, Vec3(0, 1, 0)));
   }
   sample_spacing_ = std::max(field_.layout().spacing, Real(std::sqrt(1.5 * area / double(kMostSamples))));

@@ -27,7 +27,7 @@ int convex_sdf(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& p
   box.grow(margin);
   if (!overlaps(box, field.box())) return 0;
   FieldContacts contacts(field, margin);
-  const PlacedShape other(a, place, kInfinity);
+  const PlacedShape other(a, place);
   contacts.add_samples(other);
 
   // the core's nearest points
@@ -55,7 +55,7 @@ int convex_sdf(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& p
     for (int k = 0; k < corners; ++k) {
       const Vec3 p = to_world(place, corner[k]);
       Vec3 m;
-      const Real e = field.field().at(p, m);
+      const Real e = field.field().smooth_at(p, m);
       if (e - a.radius() <= margin)
         contacts.add(of_core(p, e, a.radius(), normalized_or(m, n), feature_of(corner[k])));
     }

@@ -63,6 +63,7 @@ Real frank_wolfe(const Sdf& field, const Vec3& start, Vec3& at, Vec3& normal, Su
     least = d, at = next, normal = slope;
     if (done) break;
   }
+  field.field().smooth_at(at, normal);
   normal = normalized_or(normal, Vec3(0, 1, 0));
   return least;
 }
@@ -84,8 +85,9 @@ void FieldContacts::add_samples(const OtherField& other) {
   field_.sample_tree().query_if(near, [&](std::uint32_t i) {
     const Sdf::Sample& s = samples[i];
     Vec3 n;
+    if (!(other.distance(s.at) <= margin_)) return;
     const Real d = other.distance(s.at, n);
-    if (!(d <= margin_) || dot(n, s.normal) > kOpposed) return;
+    if (dot(n, s.normal) > kOpposed) return;
     add({s.at - d / 2 * n, -n, d, (i + 1) * 2654435761u});
   });
 }
@@ -153,7 +155,7 @@ void FieldContacts::refine(const OtherField& other) {
     Real step = far;
     for (int k = 0; k < kDescent; ++k) {
       Vec3 na, nb;
-      const Real da = field_.field().at(x, na), db = other.distance(x, nb);
+      const Real da = field_.field().smooth_at(x, na), db = other.distance(x, nb);
       na = normalized_or(na, c.normal);
       const Vec3 n = normalized_or(na - nb, c.normal);
       if (dot(na, nb) > Real(-0.7)) break;  // an edge or a corner: no slope to follow

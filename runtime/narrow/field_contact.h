@@ -11,27 +11,31 @@ class OtherField {
  public:
   virtual ~OtherField() = default;
   virtual Real distance(const Vec3& p, Vec3& normal) const = 0;
-  virtual Real distance(const Vec3& p) const {
-    Vec3 normal;
-    return distance(p, normal);
-  }
+  virtual Real distance(const Vec3& p) const = 0;
 };
 
 // Another shape, placed in the frame of the field.
 class PlacedShape final : public OtherField {
  public:
-  PlacedShape(const Shape& shape, const Pose& place, Real limit) : shape_(shape), place_(place), limit_(limit) {}
-  using OtherField::distance;
+  PlacedShape(const Shape& shape, const Pose& place)
+      : shape_(shape), field_(is_sdf(shape) ? &static_cast<const Sdf&>(shape).field() : nullptr), place_(place) {}
+  Real distance(const Vec3& p) const override {
+    Vec3 normal;
+    const Vec3 local = to_local(place_, p);
+    return field_ ? field_->at(local) : shape_.distance(local, kInfinity, normal);
+  }
   Real distance(const Vec3& p, Vec3& normal) const override {
-    const Real d = shape_.distance(to_local(place_, p), limit_, normal);
+    const Vec3 local = to_local(place_, p);
+    const Real d = field_ ? field_->smooth_at(local, normal) : shape_.distance(local, kInfinity, normal);
+    if (field_) normal = normalized_or(normal, Vec3(0, 1, 0));
     normal = rotate(place_.rotation, normal);
     return d;
   }
 
  private:
   const Shape& shape_;
+  const DistanceField* field_;  // of a shape that is one
   const Pose& place_;
-  Real limit_;
 };
 
 struct FieldCandidate {

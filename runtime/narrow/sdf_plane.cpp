@@ -11,7 +11,7 @@ int sdf_plane(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& po
   const Sdf& field = static_cast<const Sdf&>(a);
   const Pose place{to_local(pose_a, pose_b.position), conjugate(pose_a.rotation) * pose_b.rotation};
   FieldContacts contacts(field, margin);
-  const PlacedShape other(b, place, kInfinity);
+  const PlacedShape other(b, place);
   contacts.add_samples(other);
   contacts.refine(other);
   return contacts.finish(pose_a, 1, out);

@@ -16,7 +16,7 @@ int sdf_sdf(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose
   box.grow(margin);
   if (!overlaps(box, field.box())) return 0;
   FieldContacts contacts(field, margin);
-  const PlacedShape other(to, place, kInfinity);
+  const PlacedShape other(to, place);
   contacts.add_samples(other);
   // the other way round: points of b and slopes of a
   const auto samples = to.samples();
@@ -26,10 +26,11 @@ int sdf_sdf(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose
   };
   to.sample_tree().query_if(near, [&](std::uint32_t i) {
     const Vec3 p = to_world(place, samples[i].at), own = rotate(place.rotation, samples[i].normal);
+    if (!(field.field().at(p) <= margin)) return;
     Vec3 n;
-    const Real d = field.field().at(p, n);
+    const Real d = field.field().smooth_at(p, n);
     n = normalized_or(n, Vec3(-own));
-    if (!(d <= margin) || dot(n, own) > Real(-0.3)) return;
+    if (dot(n, own) > Real(-0.3)) return;
     contacts.add({p - d / 2 * n, n, d, (i + 1) * 2246822519u});
   });
   contacts.refine(other);
