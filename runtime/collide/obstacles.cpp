@@ -14,7 +14,8 @@ static constexpr Real kFreeDepths = 2;
 static constexpr Real kFarArm = Real(1e6);  // m, for what has no bounds
 
 Real Collide::core_depth(const Shape& shape) const {
-  return shape.convex() ? (1 - kCoreScale) * least_half_width(shape) : kInfinity;
+  const Real half = least_half_width(shape);
+  return half > 0 ? (1 - kCoreScale) * half : kInfinity;
 }
 
 // Do two moving bodies come nearer in a step by more than leaves them in each other by a quarter of the thinner one?
@@ -103,7 +104,7 @@ OwnerImpact Collide::impact(std::uint32_t a, const OwnerMotion& motion_a, std::u
                             Real begin, Real end) const {
   const Impl& s = *impl_;
   const Colliders& c = *s.colliders;
-  if (!c.shape[a]->convex()) return {};
+  if (!c.shape[a]->convex() && !s.is_field(a)) return {};
   const Real extent = std::min(s.seen[a].extent, s.seen[b].extent);
   const Real margin = std::min(kSpeculative, kSpeculativeShare * extent);
   const Sweep sweep_a{c.shape[a],    c.local[a],       motion_a.from,       motion_a.shift,

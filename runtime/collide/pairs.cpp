@@ -87,7 +87,8 @@ void Collide::Impl::compare_collider(std::uint32_t i) {
   if (s.bits & kChanged) {
     last_filter = filter;
     s.extent = c.shape[i]->extent(to_local(c.pose[i], c.center[i]));
-    s.half_width = c.shape[i]->convex() ? least_half_width(*c.shape[i]) : kInfinity;
+    const Real half = least_half_width(*c.shape[i]);
+    s.half_width = half > 0 ? half : kInfinity;
   }
   if (s.bits & kSurfaceChanged) last_surface = surface;
 }

@@ -8,6 +8,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 
 #include "base/double3.h"
 #include "base/trig.h"
@@ -169,6 +170,9 @@ void Sdf::take_balls() {
     });
     if (!covered) balls_.push_back(b);
   }
+  for (const ShapeKind& kind : shape_kinds())
+    if (!std::strcmp(kind.name, "sphere"))
+      for (const Ball& b : balls_) ball_shapes_.push_back({make_sphere(b.radius), {b.center, {}}});
 }
 
 namespace {

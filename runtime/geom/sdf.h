@@ -30,6 +30,7 @@ class Sdf final : public Shape {
   bool raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const override;
   Real distance(const Vec3& p, Real limit, Vec3& normal) const override;
   ShapeArguments arguments() const override;
+  Real inner_radius() const override { return balls_.empty() ? Real(0) : balls_[balls_.size() / 2].radius; }
 
   const DistanceField& field() const { return field_; }
   SdfReport report() const;
@@ -53,6 +54,7 @@ class Sdf final : public Shape {
     Real radius;
   };
   std::span<const Ball> balls() const { return balls_; }
+  std::span<const CompoundPart> ball_shapes() const { return ball_shapes_; }  // none in a build without spheres
 
  private:
   void take_samples(const IsoMesh& mesh);
@@ -67,6 +69,7 @@ class Sdf final : public Shape {
   Aabb box_;
   std::vector<Sample> samples_;
   std::vector<Ball> balls_;
+  std::vector<CompoundPart> ball_shapes_;
   Real sample_spacing_ = 0;
   Arena arena_{"sdf"};
   BoxTree tree_{arena_};

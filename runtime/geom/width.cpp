@@ -29,7 +29,7 @@ Vec3 face_normal(const Shape& shape, const Vec3& d) {
 }  // namespace
 
 Real least_half_width(const Shape& shape) {
-  if (!shape.convex()) return 0;
+  if (!shape.convex()) return shape.inner_radius();
   Real least = kInfinity;
   for (int k = 0; k < kDirections; ++k) {
     const Vec3 d = normalized_or(direction(k), Vec3(0, 1, 0));

@@ -6,7 +6,7 @@ namespace feder {
 
 // Half the least distance of two parallel planes that hold a convex shape between them, among 13 directions and the
 // normals of the faces that look along them, m: exact for boxes, round shapes and plates, else at most a tenth too
-// large. 2D sections: in their plane. 0 for other shapes.
+// large. 2D sections: in their plane. Of others Shape::inner_radius.
 Real least_half_width(const Shape& shape);
 
 // A point well inside a convex shape: the mean of what is farthest along the 8 diagonals of a cube: the

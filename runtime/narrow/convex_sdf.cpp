@@ -46,7 +46,7 @@ int convex_sdf(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& p
   }
   for (int i = 0; i < starts; ++i) {
     Vec3 at, n;
-    const Real d = least_over_convex(field, a, place, start[i], at, n);
+    const Real d = least_over_convex(field.field(), Convex(a), place, start[i], at, n);
     if (d - a.radius() > margin) continue;
     const Vec3 local = to_local(place, at);
     contacts.add(of_core(at, d, a.radius(), n, feature_of(local)));

@@ -24,12 +24,12 @@ bool deeper(const FieldCandidate& a, const FieldCandidate& b) {
 }
 
 // On the way from x to s: the fraction where the field is least, for a field with one least value there.
-Real search_line(const Sdf& field, const Vec3& x, const Vec3& s) {
+Real search_line(const DistanceField& field, const Vec3& x, const Vec3& s) {
   // slopes at the ends, then the zero of the slope by the false position, halved where that creeps
   const Vec3 way = s - x;
   const auto slope = [&](Real t) {
     Vec3 g;
-    field.field().at(x + t * way, g);
+    field.at(x + t * way, g);
     return dot(g, way);
   };
   Real lo = 0, hi = 1, at_lo = slope(0), at_hi = slope(1);
@@ -45,27 +45,6 @@ Real search_line(const Sdf& field, const Vec3& x, const Vec3& s) {
       hi = t, at_hi = at;
   }
   return lo + (hi - lo) * at_lo / (at_lo - at_hi);
-}
-
-template <class Support>
-Real frank_wolfe(const Sdf& field, const Vec3& start, Vec3& at, Vec3& normal, Support&& support) {
-  at = start;
-  Real least = field.field().at(at, normal);
-  const Real enough = Real(1e-4) * field.field().layout().spacing;
-  for (int i = 0; i < kFrankWolfe; ++i) {
-    const Vec3 s = support(normal);
-    if (!(dot(normal, s - at) < -enough)) break;
-    const Vec3 next = at + search_line(field, at, s) * (s - at);
-    Vec3 slope;
-    const Real d = field.field().at(next, slope);
-    if (!(d < least)) break;
-    const bool done = d > least - enough;
-    least = d, at = next, normal = slope;
-    if (done) break;
-  }
-  field.field().smooth_at(at, normal);
-  normal = normalized_or(normal, Vec3(0, 1, 0));
-  return least;
 }
 
 }  // namespace
@@ -215,18 +194,25 @@ int FieldContacts::finish(const Pose& pose, Real sign, Manifold* out) {
   return manifolds;
 }
 
-Real least_over_convex(const Sdf& field, const Shape& convex, const Pose& place, const Vec3& start, Vec3& at,
+Real least_over_convex(const DistanceField& field, const Convex& core, const Pose& place, const Vec3& start, Vec3& at,
                        Vec3& normal) {
-  return frank_wolfe(field, start, at, normal, [&](const Vec3& slope) {
-    return to_world(place, convex.support(rotate_inverse(place.rotation, -slope)));
-  });
-}
-
-Real least_over_triangle(const Sdf& field, const Vec3 (&c)[3], Vec3& at, Vec3& normal) {
-  return frank_wolfe(field, (c[0] + c[1] + c[2]) / 3, at, normal, [&](const Vec3& slope) {
-    const Real d[3] = {dot(c[0], slope), dot(c[1], slope), dot(c[2], slope)};
-    return d[0] <= d[1] && d[0] <= d[2] ? c[0] : d[1] <= d[2] ? c[1] : c[2];
-  });
+  at = start;
+  Real least = field.at(at, normal);
+  const Real enough = Real(1e-4) * field.layout().spacing;
+  for (int i = 0; i < kFrankWolfe; ++i) {
+    const Vec3 s = to_world(place, core.support(rotate_inverse(place.rotation, -normal)));
+    if (!(dot(normal, s - at) < -enough)) break;
+    const Vec3 next = at + search_line(field, at, s) * (s - at);
+    Vec3 slope;
+    const Real d = field.at(next, slope);
+    if (!(d < least)) break;
+    const bool done = d > least - enough;
+    least = d, at = next, normal = slope;
+    if (done) break;
+  }
+  field.smooth_at(at, normal);
+  normal = normalized_or(normal, Vec3(0, 1, 0));
+  return least;
 }
 
 }  // namespace feder

@@ -2,6 +2,7 @@
 // out, led to where the two surfaces are nearest, and reduced. All in the frame of the field. Internal to narrow.
 #pragma once
 #include "geom/sdf.h"
+#include "narrow/gjk.h"
 #include "narrow/manifold.h"
 
 namespace feder {
@@ -72,10 +73,9 @@ class FieldContacts {
   FieldCandidate candidates_[kMost];
 };
 
-// Point of a convex core, in the frame of the field, where the field is least near `start`: Frank and Wolfe 1956 with a
-// line search. Returns the distance there.
-Real least_over_convex(const Sdf& field, const Shape& convex, const Pose& place, const Vec3& start, Vec3& at,
+// Point of a convex core, in the frame of the field, where the field is least near `start` (in the core): Frank and
+// Wolfe 1956 with a line search. Returns the distance there.
+Real least_over_convex(const DistanceField& field, const Convex& core, const Pose& place, const Vec3& start, Vec3& at,
                        Vec3& normal);
-Real least_over_triangle(const Sdf& field, const Vec3 (&corners)[3], Vec3& at, Vec3& normal);
 
 }  // namespace feder

@@ -10,6 +10,7 @@
 
 #include "feder/error.h"
 #include "geom/width.h"
+#include "narrow/field_tools.h"
 #include "narrow/gjk.h"
 
 namespace feder {
@@ -68,6 +69,21 @@ struct PlaneApart {
     const Vec3 low = to_world(pose_a, a.convex.support(rotate_inverse(pose_a.rotation, -n))) - n * a.convex.radius;
     const Real height = dot(n, low - pose_b.position) - distance;
     return {double(height), -n, low - n * height};
+  }
+};
+
+// A distance field: nearest from the middle of a, which may be not the nearest of all where the field is hollow.
+struct FieldApart {
+  const Mover& a;
+  const Sweep& b;
+  const FieldTools& tools;
+  const Vec3& center;  // in a
+  Apart operator()(Real t) const {
+    const Pose pose_a = a.sweep.at(t), pose_b = b.at(t);
+    const Pose place{to_local(pose_b, pose_a.position), conjugate(pose_b.rotation) * pose_a.rotation};
+    Vec3 at, n;
+    const Real d = tools.least(*b.shape, a.convex, place, to_world(place, center), at, n);
+    return {double(d) - a.convex.radius, rotate(pose_b.rotation, -n), to_world(pose_b, Vec3(at - d * n))};
   }
 };
 
@@ -239,17 +255,38 @@ void meet_mesh(Pair& p) {
 
 }  // namespace
 
+// The earliest of the balls in the field that is a.
+static Impact balls_meet(const FieldTools& tools, const Sweep& a, const Sweep& b, Real begin, Real end, Real target) {
+  Impact first;
+  for (const CompoundPart& ball : tools.balls(*a.shape)) {
+    Sweep s = a;
+    s.shape = ball.shape.get();
+    s.local = a.local * ball.pose;
+    s.extent = length(s.local.position) + ball.shape->radius();
+    s.half_width = ball.shape->radius();
+    const Impact hit = time_of_impact(s, b, begin, end, target);
+    if (hit.time < first.time) first = hit, end = std::min(end, hit.time);
+  }
+  return first;
+}
+
 Impact time_of_impact(const Sweep& a, const Sweep& b, Real begin, Real end, Real target) {
+  const FieldTools* tools = field_tools();
+  if (!a.shape->convex() && tools) return balls_meet(*tools, a, b, begin, end, target);
   FEDER_ASSERT(a.shape->convex() && begin >= 0 && begin <= end);
   Pair p{.a = a, .b = b, .begin = begin, .target = target, .hit = {.time = end}};
   Vec3 normal;
   Real distance;
   const bool half_space = b.shape->half_space(normal, distance);
-  if (b.shape->convex() || half_space) p.center = inner_point(*a.shape);
+  const bool field = tools && tools->is_field(*b.shape);
+  if (b.shape->convex() || half_space || field) p.center = inner_point(*a.shape);
   if (b.shape->convex())
     meet_convex(p, Convex(*b.shape), reach_of(b));
   else if (half_space)
     meet(p, Mover{b, Convex(nullptr, 0), 0}, [&b](const Mover& m) { return PlaneApart{m, b}; });
+  else if (field)
+    meet(p, Mover{b, Convex(nullptr, 0), reach_of(b)},
+         [&](const Mover& m) { return FieldApart{m, b, *tools, p.center}; });
   else
     meet_mesh(p);
   return p.found ? p.hit : Impact{};

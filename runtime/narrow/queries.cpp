@@ -2,6 +2,10 @@
 // divided by the closing speed can always be travelled, and for a translation it converges to the first touch.
 // Keeps nothing between calls. Weak spot: grazing sweeps converge slowly; one that has not touched after kMaxAdvances
 // counts as a miss.
+#include <algorithm>
+
+#include "geom/width.h"
+#include "narrow/field_tools.h"
 #include "narrow/gjk.h"
 #include "narrow/narrow_phase.h"
 
@@ -79,6 +83,31 @@ bool cast_mesh(const Convex& a, const Pose& pose_a, const Vec3& motion, Real siz
   return cast.found;
 }
 
+// Conservative advancement by the least distance of the field over the core, sought from its middle.
+bool cast_field(const Shape& a, const Pose& pose_a, const Vec3& motion, Real size, const Shape& b, const Pose& pose_b,
+                const FieldTools& tools, CastHit& hit) {
+  const Convex core(a);
+  const Vec3 middle = inner_point(a);
+  Real t = 0;
+  for (int i = 0; i < kMaxAdvances; ++i) {
+    const Pose at_t{pose_a.position + t * motion, pose_a.rotation};
+    const Pose place{to_local(pose_b, at_t.position), conjugate(pose_b.rotation) * at_t.rotation};
+    Vec3 at, n;
+    const Real d = tools.least(b, core, place, to_world(place, middle), at, n);
+    n = rotate(pose_b.rotation, n);
+    const Real distance = d - a.radius(), closing = -dot(motion, n);
+    if (distance <= Real(kTouch) * size) {
+      if (t > 0 && closing <= 0) return false;  // brushes past
+      hit = {t, to_world(pose_b, at) - n * d, n};
+      return true;
+    }
+    // away from it here, but the field may bend towards the way: the distance itself can always be travelled
+    t += distance / std::max(closing, length(motion) / 2);
+    if (!(t < hit.fraction)) return false;
+  }
+  return false;
+}
+
 bool cast_into(const Shape& a, const Pose& pose_a, const Vec3& motion, const Shape& b, const Pose& pose_b,
                CastHit& hit) {
   bool found = false;
@@ -97,6 +126,8 @@ bool cast_into(const Shape& a, const Pose& pose_a, const Vec3& motion, const Sha
   Real distance;
   if (b.half_space(normal, distance))
     return cast_half_space(Convex(a), pose_a, motion, rotate(pose_b.rotation, normal), distance, pose_b.position, hit);
+  if (const FieldTools* tools = field_tools(); tools && tools->is_field(b))
+    return cast_field(a, pose_a, motion, size, b, pose_b, *tools, hit);
   return cast_mesh(Convex(a), pose_a, motion, size, b, pose_b, hit);
 }
 

@@ -42,7 +42,7 @@ void meet_triangle(MeshField& m, std::uint32_t index) {
   const Vec3 across = cross(t[1] - t[0], t[2] - t[0]);
   Vec3 up = normalized_or(across, Vec3(0, 1, 0));
   Vec3 at, n;
-  const Real least = least_over_triangle(m.field, t, at, n);
+  const Real least = least_over_convex(m.field.field(), Convex(t, 3), Pose{}, middle, at, n);
   // the side of the nearest ball
   Real nearest = kInfinity, height = 0;
   for (const Sdf::Ball& ball : m.field.balls()) {

@@ -146,6 +146,9 @@ class Shape {
   // and `normal` points to the side of `p`. In 2D sections z is ignored.
   virtual Real distance(const Vec3& p, Real limit, Vec3& normal) const = 0;
 
+  // Of a solid that is not convex: half its thickness, the radius of the median of balls that fill it; else 0.
+  virtual Real inner_radius() const { return 0; }
+
   // Convex only. Farthest core point along `direction` (shape frame; need not be unit).
   virtual Vec3 support(const Vec3& direction) const;
   // Convex only. The core's face, edge or point most aligned with the unit `direction`: its corner points,
