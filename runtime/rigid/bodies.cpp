@@ -204,6 +204,10 @@ ObjectId Rigid::Impl::add(const BodyDesc& d) {
     if (d.sleeping) put_to_sleep(i);
   }
   if (d.type == BodyType::kinematic) bodies.awake[i] = 1;
+  for (const CompoundPart& p : solid.parts) any_field = any_field || p.shape->inner_radius() > 0;
+  for (const CompoundPart& p : solid.parts)
+    if (!p.shape->warnings().empty() && (unsaid.empty() || unsaid.back() != bodies.object[i]))
+      unsaid.push_back(bodies.object[i]);
   place_colliders(i, 0, Vec3::Zero());
   if (body_count++ == 0) *structure_changed = true;
   list_stale = true;

@@ -189,6 +189,7 @@ struct Rigid::Impl {
   void update_sleep(StepContext& c);
   void measure_motion(StepContext& c);
   void check_far(StepContext& c);
+  void say_of_fields(StepContext& c);  // fields.cpp
   struct Pile {
     std::uint32_t upper, lower;
     Real gravity;         // along the contact, m/s^2
@@ -376,6 +377,10 @@ struct Rigid::Impl {
   IslandEnergy* island_energies = nullptr;  // by number
   std::uint32_t island_count = 0;
   std::uint64_t now = 0;    // next step
+  std::vector<ObjectId> unsaid = {};  // bodies whose fields have warnings
+  bool any_field = false;  // was made in this world
+  bool swing_warned = false;
+  ObjectId swings_before = {};  // who swung too fast when that was last looked at
   bool warned_far = false;  // warned of motion lost far from the origin
 };
 

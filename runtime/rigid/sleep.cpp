@@ -216,6 +216,7 @@ void Rigid::Impl::update_sleep(StepContext& c) {
     measure_pace(c);
   if (!jumpers.empty()) watch(c);
   if (!warned_far) check_far(c);
+  say_of_fields(c);
   if (joint_count > 0 && !gap_warned) check_open_joints(c);
   if (!c.sleeping) return;
   if (!any_candidate) return;
