@@ -4,6 +4,7 @@
 #include <map>
 
 #include "base/rng.h"
+#include "bounds/polytope.h"
 #include "bounds/volume.h"
 #include "feder/error.h"
 #include "support/catch.h"
@@ -162,6 +163,29 @@ TEST_CASE("edges of a volume lie on it and reach as far as what it holds", "[bou
     CHECK_FALSE(volume->edges({few, &count}));
     CHECK(count == 3);
   }
+}
+
+TEST_CASE("half-spaces have each edge once", "[bounds][volume]") {
+  std::vector<HalfSpace> planes;
+  for (int k = 0; k < 3; ++k) {
+    const Double3 n = wide(Vec3::Unit(k));
+    planes.push_back({n, 1}), planes.push_back({-n, 1});
+  }
+  const auto measure = [&] {
+    std::pair<int, double> found{0, 0};  // edges, and how long they are in all
+    const auto add = [](void* to, const Vec3& a, const Vec3& b) {
+      auto& [count, sum] = *static_cast<std::pair<int, double>*>(to);
+      return ++count, sum += static_cast<double>(length(Vec3(b - a))), true;
+    };
+    CHECK(edges_within(planes, 2, {add, &found}));
+    return found;
+  };
+  CHECK(measure() == std::pair{12, 24.0});
+  planes.push_back({{1, 1, 0}, 2});  // touches an edge, and takes nothing away
+  CHECK(measure().second == Approx(24));
+  planes.back() = {{1, 1, 1}, 2};  // cuts a corner off
+  CHECK(measure().first == 15);
+  CHECK(measure().second == Approx(24 - 3 + 3 * std::sqrt(2.0)));
 }
 
 TEST_CASE("volumes refuse what is not finite, and nothing", "[bounds][volume]") {
