@@ -14,7 +14,8 @@ void declare(Arguments& a, PictureOptions& o) {
          "yaw,pitch[,distance] in degrees and m, or eye and target x,y,z,tx,ty,tz (default: fitted)");
   a.text("--show", o.show,
          "layers, \"-\" turns one off: shapes meshes points springs sensors joints contacts impulses "
-         "velocities axes islands bounds labels marks; speed, density or pressure colours fluids");
+         "velocities axes islands bounds volumes labels marks; volumes=3 those of level 3; speed, density or pressure "
+         "colours fluids");
 }
 
 PictureWish read_wish(const PictureOptions& o) {

@@ -14,7 +14,9 @@ constexpr const char* kTypes = "static, kinematic, dynamic";  // BodyType, from 
 
 BodyType type_at(std::ptrdiff_t index) { return static_cast<BodyType>(static_cast<int>(BodyType::fixed) + index); }
 
-using BodyReading = Making<BodyDesc>;
+struct BodyReading : Making<BodyDesc> {
+  Real transparency = 0;  // 0: opaque, 1: not seen
+};
 
 void read_type(Options& o, const OptionRow& row, BodyReading& b) {
   int index = 0;
@@ -105,6 +107,7 @@ constexpr Option<BodyReading> kBody[] = {
     field<&BodyDesc::angular_velocity>("angular_velocity", "rad/s"),
     special("material", "string", read_material),
     special("color", "color", read_color<BodyReading>),
+    field<&BodyReading::transparency>("transparency", "", kUnitRange),
     field<&BodyDesc::density>("density", "kg/m3", kPositive),
     {{.name = "mass", .unit = "kg", .range = kPositive}, "number", read_mass},
     special("center_of_mass", "vector", read_center, "m"),
@@ -148,6 +151,7 @@ ObjectId world_body(WorldRecord& r, lua_State* L) {
   define_materials(r, *body.shape);
   const ObjectId id = rigid.add_body(body);
   if (body.painted) r.appearance.colors[id] = body.color;
+  if (body.transparency > 0) r.appearance.transparencies[id] = static_cast<float>(body.transparency);
   return id;
 }
 

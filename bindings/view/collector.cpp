@@ -19,8 +19,9 @@ void Frame::clear() {
   instances.clear(), batches.clear(), grounds.clear();
   vertices.clear(), indices.clear(), meshes.clear();
   points.clear(), point_groups.clear(), liquids.clear(), foam.clear(), notes.clear();
-  lines.clear(), overlay_lines.clear(), labels.clear(), plots.clear();
+  lines.clear(), outlines.clear(), overlay_lines.clear(), labels.clear(), plots.clear();
   moving = bounds = Bounds{};
+  deeper_volumes = false;
 }
 
 namespace {

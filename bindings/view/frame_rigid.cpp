@@ -2,6 +2,7 @@
 // appears as is worked out when it is first seen and kept by collider index.
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 #include "feder/query.h"
 #include "feder/rigid.h"
@@ -100,6 +101,9 @@ class RigidSource final : public FrameSource {
     Color color = s.motion == ColliderMotion::fixed && !s.sensor
                       ? c.own_color(s.object).value_or(fixed_color(s.object.slot))
                       : c.color(s.object, group);
+    const auto clear = c.appearance.transparencies.find(s.object);
+    if (clear != c.appearance.transparencies.end())
+      color.a = static_cast<std::uint8_t>(std::lround(255 * (1 - clear->second)));
     if (s.sensor) color.a = kSensorAlpha;
     return color;
   }

@@ -39,7 +39,8 @@ std::uint32_t GeometryCache::shared(Geometry (*unit)()) {
   return shared_.back().second;
 }
 
-Fitted GeometryCache::make(const Shape& shape) {
+Fitted GeometryCache::make(const ShapePtr& given) {
+  const Shape& shape = *given;
   Fitted f;
   Drawing d;
   const auto rows = shape_drawings();
@@ -50,6 +51,8 @@ Fitted GeometryCache::make(const Shape& shape) {
   else
     d.own = shape.convex() ? tessellate_convex(shape) : tessellate_mesh(shape);
   if (d.own && d.own->vertices.empty()) return f;  // a plane is a ground; parts of a compound are fitted one by one
+  const auto nothing = [](void*, std::uint32_t, std::span<const Vec3>) {};
+  if (d.own && shape.back_to_front(Vec3::Zero(), nothing, nullptr)) d.own->ordered = given;
   f.geometry = d.own ? keep(std::move(*d.own)) : shared(d.unit);
   f.scale = d.scale, f.stretch = d.stretch;
   return f;
@@ -57,7 +60,7 @@ Fitted GeometryCache::make(const Shape& shape) {
 
 const Fitted& GeometryCache::fit(const ShapePtr& shape) {
   Entry& entry = entries_[shape.get()];
-  if (!entry.shape) entry = {shape, make(*shape)};
+  if (!entry.shape) entry = {shape, make(shape)};
   return entry.fitted;
 }
 

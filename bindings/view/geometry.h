@@ -25,6 +25,7 @@ struct Geometry {
   std::vector<std::uint32_t> indices;  // counter-clockwise seen from outside
   bool two_sided = false;              // open surfaces
   Float3 low, high;                    // box of the vertices, unscaled, m
+  ShapePtr ordered;                    // its triangles from back to front, where the shape knows that; else null
 };
 
 // A shape as an instance sees it: its geometry and how to scale it.
@@ -47,7 +48,7 @@ class GeometryCache {
   };
   std::uint32_t keep(Geometry geometry);
   std::uint32_t shared(Geometry (*unit)());
-  Fitted make(const Shape& shape);
+  Fitted make(const ShapePtr& shape);
 
   std::vector<std::shared_ptr<const Geometry>> geometries_;
   std::unordered_map<const Shape*, Entry> entries_;

@@ -25,7 +25,8 @@ const Font& font() {
 ShapeLayer::ShapeLayer(const Gl& gl)
     : gl_(gl), lit_(make_program(gl, "shapes", kShapeVertex, kShapeFragment, true)),
       depth_(make_program(gl, "shapes (depth)", kShapeVertex, kDepthFragment, false)),
-      two_sided_(lit_->uniform("two_sided")), instances_(gl), mesh_vertices_(gl), mesh_indices_(gl), mesh_array_(gl) {}
+      two_sided_(lit_->uniform("two_sided")), instances_(gl), mesh_vertices_(gl), mesh_indices_(gl),
+      sorted_vertices_(gl), sorted_indices_(gl), mesh_array_(gl), sorted_array_(gl) {}
 
 void ShapeLayer::store(std::size_t id, const std::shared_ptr<const Geometry>& geometry) {
   Stored& s = stored_[id];
@@ -38,23 +39,66 @@ void ShapeLayer::store(std::size_t id, const std::shared_ptr<const Geometry>& ge
   gl_.BindVertexArray(0);
 }
 
-void ShapeLayer::aim(const Stored& s, std::uint32_t first) const {
-  s.array->bind();
+void ShapeLayer::aim(const VertexArray& array, std::uint32_t first) const {
+  array.bind();
   instances_.bind();
-  s.array->attributes<Instance>({{3, 3, offsetof(Instance, position)},
-                                 {4, 4, offsetof(Instance, rotation)},
-                                 {5, 4, offsetof(Instance, scale)},  // and the stretch behind it
-                                 {6, kColor, offsetof(Instance, color)}},
-                                first, 1);
+  array.attributes<Instance>({{3, 3, offsetof(Instance, position)},
+                              {4, 4, offsetof(Instance, rotation)},
+                              {5, 4, offsetof(Instance, scale)},  // and the stretch behind it
+                              {6, kColor, offsetof(Instance, color)}},
+                             first, 1);
 }
 
-void ShapeLayer::upload(const Frame& f) {
+// In pieces, since triangles that cross one another have no order.
+void ShapeLayer::sort(const Instance& instance, std::uint32_t number, const Shape& shape, Float3 eye) {
+  const float* q = instance.rotation;
+  const Pose pose{to_vec3(instance.position), Quat{Real(q[0]), Real(q[1]), Real(q[2]), Real(q[3])}};
+  const auto first = static_cast<std::uint32_t>(indices_.size());
+  const auto add = [](void* context, std::uint32_t, std::span<const Vec3> corners) {
+    ShapeLayer& to = *static_cast<ShapeLayer*>(context);
+    const auto v = static_cast<std::uint32_t>(to.vertices_.size());
+    Vec3 across = Vec3::Zero();
+    for (std::size_t k = 2; k < corners.size(); ++k)
+      across += cross(corners[k - 1] - corners[0], corners[k] - corners[0]);
+    const Float3 normal = to_float3(normalized_or(across, vec3(0, 1, 0)));
+    for (const Vec3& c : corners) to.vertices_.push_back({to_float3(c), normal, 0, 0});
+    for (std::uint32_t k = 2; k < corners.size(); ++k) to.indices_.insert(to.indices_.end(), {v, v + k - 1, v + k});
+  };
+  shape.back_to_front(to_local(pose, to_vec3(eye)), add, this);
+  sorted_.push_back({number, first, static_cast<std::uint32_t>(indices_.size()) - first});
+}
+
+void ShapeLayer::sort(const Frame& f, Float3 eye) {
+  sorted_.clear(), vertices_.clear(), indices_.clear();
+  for (const Batch& b : f.batches)
+    if (const Shape* shape = f.geometries[b.geometry]->ordered.get(); shape && b.translucent)
+      for (std::uint32_t i = b.first; i < b.first + b.count; ++i) sort(f.instances[i], i, *shape, eye);
+  if (sorted_.empty()) return;
+  sorted_array_.bind();
+  sorted_vertices_.fill(vertices_, GL_STREAM_DRAW);
+  sorted_array_.attributes<Vertex>(
+      {{0, 3, offsetof(Vertex, position)}, {1, 3, offsetof(Vertex, normal)}, {2, 2, offsetof(Vertex, side)}});
+  sorted_indices_.fill(indices_, GL_STREAM_DRAW, GL_ELEMENT_ARRAY_BUFFER);
+  gl_.BindVertexArray(0);
+}
+
+void ShapeLayer::draw_sorted(const Pass& pass) const {
+  gl_.Uniform1i(two_sided_, 1);
+  gl_.Disable(GL_CULL_FACE);
+  for (const Sorted& s : sorted_) {
+    aim(sorted_array_, s.instance);
+    pass.draw_triangles(s.index_count, s.first_index, 1);
+  }
+}
+
+void ShapeLayer::upload(const Frame& f, Float3 eye) {
   static_assert(offsetof(Instance, stretch) == offsetof(Instance, scale) + 12);
   static_assert(offsetof(Vertex, edge) == offsetof(Vertex, side) + 4);
   stored_.resize(f.geometries.size());
   for (std::size_t id = 0; id < f.geometries.size(); ++id)
     if (stored_[id].geometry != f.geometries[id]) store(id, f.geometries[id]);
   instances_.fill(f.instances, GL_STREAM_DRAW);
+  sort(f, eye);
   if (f.meshes.empty()) return;
   mesh_array_.bind();
   mesh_vertices_.fill(f.vertices, GL_STREAM_DRAW);
@@ -69,13 +113,15 @@ void ShapeLayer::draw(const Frame& f, const Pass& pass) {
   for (const Batch& b : f.batches) {
     if (b.translucent != (pass.stage == Stage::translucent)) continue;
     const Stored& s = stored_[b.geometry];
-    aim(s, b.first);
+    if (b.translucent && s.geometry->ordered) continue;
+    aim(*s.array, b.first);
     const bool open = s.geometry->two_sided;
     if (!shadow) gl_.Uniform1i(two_sided_, open ? 1 : 0);
     (open || shadow) ? gl_.Disable(GL_CULL_FACE) : gl_.Enable(GL_CULL_FACE);
     pass.draw_triangles(s.geometry->indices.size(), 0, b.count);
   }
   gl_.Disable(GL_CULL_FACE);
+  if (pass.stage == Stage::translucent && !sorted_.empty()) draw_sorted(pass);
   if (f.meshes.empty() || pass.stage == Stage::translucent) return;
   mesh_array_.bind();
   if (!shadow) gl_.Uniform1i(two_sided_, 1);
@@ -125,21 +171,25 @@ void PointLayer::draw(const Frame& f, const Pass& pass) {
 
 // Lines with a width in pixels: OpenGL 3.3 core has only thin ones, so each is a rectangle on the screen.
 LineLayer::LineLayer(const Gl& gl)
-    : gl_(gl), program_(make_program(gl, "lines", kLineVertex, kLineFragment, false)), lines_(gl), overlay_(gl),
-      array_(gl) {}
+    : gl_(gl), program_(make_program(gl, "lines", kLineVertex, kLineFragment, false)), lines_(gl), outlines_(gl),
+      overlay_(gl), array_(gl) {}
 
 void LineLayer::upload(const Frame& f) {
   lines_.fill(f.lines, GL_STREAM_DRAW);
+  outlines_.fill(f.outlines, GL_STREAM_DRAW);
   overlay_.fill(f.overlay_lines, GL_STREAM_DRAW);
 }
 
 void LineLayer::draw(const Frame& f, const Pass& pass) {
-  const bool over = pass.stage == Stage::overlay;
-  const std::vector<Line>& lines = over ? f.overlay_lines : f.lines;
-  if (lines.empty() || (!over && pass.stage != Stage::translucent)) return;
+  if (pass.stage == Stage::overlay) draw(f.overlay_lines, overlay_, pass);
+  if (pass.stage == Stage::translucent) draw(f.lines, lines_, pass), draw(f.outlines, outlines_, pass);
+}
+
+void LineLayer::draw(const std::vector<Line>& lines, const Buffer& buffer, const Pass& pass) const {
+  if (lines.empty()) return;
   program_->use();
   array_.bind();
-  (over ? overlay_ : lines_).bind();
+  buffer.bind();
   array_.attributes<Line>({{0, 3, offsetof(Line, a)},
                            {1, 3, offsetof(Line, b)},
                            {2, kColor, offsetof(Line, color_a)},

@@ -35,7 +35,7 @@ std::unique_ptr<Program> make_program(const Gl& gl, const char* name, std::strin
 class ShapeLayer {
  public:
   explicit ShapeLayer(const Gl& gl);
-  void upload(const Frame& frame);
+  void upload(const Frame& frame, Float3 eye);
   void draw(const Frame& frame, const Pass& pass);
   const Buffer& mesh_vertices() const { return mesh_vertices_; }  // Frame::vertices
   const Buffer& mesh_indices() const { return mesh_indices_; }
@@ -47,14 +47,24 @@ class ShapeLayer {
     std::unique_ptr<Buffer> vertices, indices;
   };
   void store(std::size_t id, const std::shared_ptr<const Geometry>& geometry);
-  void aim(const Stored& stored, std::uint32_t first) const;  // at the instances from `first` on
+  // A translucent instance whose triangles are drawn in the order that its eye asks for, in pieces.
+  struct Sorted {
+    std::uint32_t instance, first_index, index_count;
+  };
+  void sort(const Frame& frame, Float3 eye);
+  void sort(const Instance& instance, std::uint32_t number, const Shape& shape, Float3 eye);
+  void draw_sorted(const Pass& pass) const;
+  void aim(const VertexArray& array, std::uint32_t first) const;  // at the instances from `first` on
 
   const Gl& gl_;
   std::unique_ptr<Program> lit_, depth_;
   GLint two_sided_;
   std::vector<Stored> stored_;
-  Buffer instances_, mesh_vertices_, mesh_indices_;
-  VertexArray mesh_array_;
+  Buffer instances_, mesh_vertices_, mesh_indices_, sorted_vertices_, sorted_indices_;
+  VertexArray mesh_array_, sorted_array_;
+  std::vector<Sorted> sorted_;
+  std::vector<Vertex> vertices_;        // of those
+  std::vector<std::uint32_t> indices_;  // of those
 };
 
 class PointLayer {
@@ -79,9 +89,11 @@ class LineLayer {
   void draw(const Frame& frame, const Pass& pass);
 
  private:
+  void draw(const std::vector<Line>& lines, const Buffer& buffer, const Pass& pass) const;
+
   const Gl& gl_;
   std::unique_ptr<Program> program_;
-  Buffer lines_, overlay_;
+  Buffer lines_, outlines_, overlay_;
   VertexArray array_;
 };
 

@@ -47,6 +47,13 @@ bool PanelLayout::has_selection() {
   return true;
 }
 
+void next_volumes(PanelLayout& layout) {
+  Toggles& t = layout.toggles;
+  const bool deeper = t.volumes && layout.deeper_volumes && t.volume_level < kMaxVolumeLevel;
+  t.volume_level = deeper ? t.volume_level + 1 : 0;
+  t.volumes = deeper || !t.volumes;
+}
+
 PanelSizes panel_sizes(const PanelLayout& layout, float width, float height) {
   PanelSizes sizes;
   sizes.width = width, sizes.height = height;

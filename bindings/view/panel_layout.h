@@ -50,6 +50,7 @@ struct PanelLayout {
   std::string selected_name;      // finds it again after a reload
   std::uint64_t selected_in = 0;  // generation of the scene
   bool follow = false;
+  bool deeper_volumes = false;  // below the level that is drawn
   int shots = 0;
   float shot_speed = 20;  // m/s
 
@@ -71,6 +72,9 @@ struct PanelLayout {
   void select(const std::optional<Pick>& pick);
 };
 
+// The volumes of the next level, then none, then the first level.
+void next_volumes(PanelLayout& layout);
+
 // Where the panels stand, in mouse units.
 struct PanelSizes {
   float width = 0, height = 0;
@@ -84,7 +88,7 @@ void draw_scene_panel(PanelLayout& layout, const PanelSizes& sizes);  // left: p
 void draw_watch_panel(PanelLayout& layout, const PanelSizes& sizes);  // right: inspector, times, curves
 void draw_console(PanelLayout& layout, const PanelSizes& sizes);
 void draw_messages(PanelLayout& layout, const PanelSizes& sizes);     // errors over the view
-void draw_notes(const PanelLayout& layout, const PanelSizes& sizes);  // above the bar below
+void draw_notes(const PanelLayout& layout, const PanelSizes& sizes);  // above the bar below; the level of volumes too
 void draw_grip(PanelLayout& layout, float pixels_per_unit,
                const Target& target);  // the grip's spring, the selection's name
 void draw_picker(PanelLayout& layout, const PanelSizes& sizes);

@@ -66,13 +66,15 @@ void draw_messages(PanelLayout& layout, const PanelSizes& sizes) {
 }
 
 void draw_notes(const PanelLayout& layout, const PanelSizes& sizes) {
-  if (layout.notes.empty()) return;
+  if (layout.notes.empty() && !layout.toggles.volumes) return;
   const float width = std::max(100.0f, sizes.width - sizes.left - sizes.right - 20);
   ImGui::SetNextWindowPos({sizes.left + 10, sizes.height - sizes.bottom - sizes.console - 8}, ImGuiCond_Always, {0, 1});
   ImGui::SetNextWindowBgAlpha(0.7f);
   ImGui::Begin("notes", nullptr, kOverlay | ImGuiWindowFlags_NoInputs);
   ImGui::PushTextWrapPos(width - 20);
   for (const std::string& note : layout.notes) colored_text(ink::kWarn, note.c_str());
+  if (layout.toggles.volumes)
+    ImGui::Text("volumes: level %d%s", layout.toggles.volume_level, layout.deeper_volumes ? "" : ", the last");
   ImGui::PopTextWrapPos();
   ImGui::End();
 }
@@ -142,6 +144,7 @@ void draw_help(PanelLayout& layout, const PanelSizes& sizes) {
                                         {"wheel", "nearer, farther"},
                                         {"F", "show everything"},
                                         {"T", "follow the selected thing"},
+                                        {"V", "volumes of meshes, and boxes: next level, then none"},
                                         {"", ""},
                                         {"P", "pin what is held or selected, or free it"},
                                         {"B", "shoot a ball at the mouse"},

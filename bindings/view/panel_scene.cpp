@@ -123,6 +123,13 @@ void draw_toggles(PanelLayout& layout) {
     ImGui::Checkbox(t.name, &(layout.toggles.*t.field));
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", t.help);
   }
+  if (layout.toggles.volumes) {
+    ImGui::AlignTextToFramePadding();
+    ImGui::TextDisabled("volumes, level");
+    ImGui::SameLine(half + 12);
+    ImGui::SetNextItemWidth(-1);
+    ImGui::SliderInt("##level", &layout.toggles.volume_level, 0, 24, "%d", ImGuiSliderFlags_AlwaysClamp);
+  }
   ImGui::AlignTextToFramePadding();
   ImGui::TextDisabled("fluids by");
   ImGui::SameLine(half + 12);

@@ -210,7 +210,7 @@ void Renderer::draw(const Frame& frame, const Camera& camera, const DrawOptions&
   // the lit programs sample the shadow map in any case
   r.make_targets(target.width, target.height, std::min(options.samples, static_cast<int>(r.max_samples)),
                  std::max(options.shadow_size, 1));
-  r.shapes.upload(frame), r.points.upload(frame), r.lines.upload(frame), r.liquids.upload(frame);
+  r.shapes.upload(frame, camera.eye()), r.points.upload(frame), r.lines.upload(frame), r.liquids.upload(frame);
   if (options.labels) r.text.upload(frame, camera, target, options.line_scale);
   r.fill_shared(frame, camera, options, target);
   if (options.shadow_size > 0) r.draw_shadow(frame);

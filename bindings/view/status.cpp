@@ -48,6 +48,7 @@ void scene_json(PanelLayout& layout, const Target& t, float scale, Json& json) {
     errors.push_back({{"where", e.where}, {"message", e.message}, {"count", e.count}});
   json["handler_errors"] = errors;
   json["params"] = live.user_params();
+  json["volumes"] = layout.toggles.volumes ? Json(layout.toggles.volume_level) : Json();
   json["held"] = live.held().has_value();
   json["selected"] = layout.has_selection() ? Json(live.world().objects().describe(layout.selected->object)) : Json();
   json["objects"] = screen_json(layout, t, scale);

@@ -1,6 +1,7 @@
 #include "view/toggles.h"
 
 #include <algorithm>
+#include <charconv>
 #include <limits>
 #include <vector>
 
@@ -25,6 +26,7 @@ std::span<const ToggleInfo> toggle_list() {
       {"axes", "centres of mass and body axes", &Toggles::axes},
       {"islands", "islands of bodies that touch or are joined", &Toggles::islands},
       {"bounds", "bounding boxes", &Toggles::bounds},
+      {"volumes", "bounding volumes of the indices of meshes, by level; other shapes: boxes", &Toggles::volumes},
       {"labels", "names", &Toggles::labels},
       {"marks", "events of the step", &Toggles::marks},
       {"plots", "energy and penetration", &Toggles::plots},
@@ -37,6 +39,20 @@ std::span<const char* const> point_scalars() {
   return list;
 }
 
+namespace {
+
+void set_volume_level(Toggles& toggles, std::string_view layer, std::string_view text) {
+  int level = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), level);
+  if (layer != "volumes" || error != std::errc() || end != text.data() + text.size() || level < 0 ||
+      level > kMaxVolumeLevel)
+    throw SceneError("layer '" + std::string(layer) + "': expected a value of volumes only, a level from 0 to " +
+                     std::to_string(kMaxVolumeLevel) + ", got '" + std::string(text) + "'");
+  toggles.volume_level = level;
+}
+
+}  // namespace
+
 void set_toggles(Toggles& toggles, std::string_view list) {
   std::vector<std::string> names;
   for (const ToggleInfo& t : toggle_list()) names.emplace_back(t.name);
@@ -47,6 +63,10 @@ void set_toggles(Toggles& toggles, std::string_view list) {
     list = comma == std::string_view::npos ? std::string_view() : list.substr(comma + 1);
     const bool on = !word.starts_with('-');
     if (!on) word.remove_prefix(1);
+    const std::size_t equals = word.find('=');
+    const bool valued = on && equals != std::string_view::npos;
+    const std::string_view value = valued ? word.substr(equals + 1) : std::string_view();
+    if (valued) word = word.substr(0, equals);
     const auto found = std::ranges::find(names, word);
     const auto number = static_cast<std::size_t>(found - names.begin());
     if (found == names.end()) {
@@ -56,6 +76,7 @@ void set_toggles(Toggles& toggles, std::string_view list) {
       throw SceneError("unknown layer '" + std::string(word) + "'; known: " + known +
                        (near.empty() ? "" : "; did you mean '" + near + "'?"));
     }
+    if (valued) set_volume_level(toggles, word, value);
     if (on && word == "liquid") toggles.liquid_limit = std::numeric_limits<std::size_t>::max();
     if (number < toggle_list().size())
       toggles.*toggle_list()[number].field = on;

@@ -8,6 +8,7 @@
 namespace feder::view {
 
 inline constexpr std::size_t kLiquidLimit = 100'000;  // 20 ms of one core
+inline constexpr int kMaxVolumeLevel = 64;
 
 struct Toggles {
   bool shapes = true;   // rigid bodies
@@ -23,10 +24,12 @@ struct Toggles {
   bool axes = false;                        // centre of mass and body axes
   bool islands = false;                     // bodies of a sleeping island are joined by lines
   bool bounds = false;                      // boxes of the broad phase
+  bool volumes = false;                     // of the indices of meshes, at volume_level
   bool labels = false;                      // names
   bool marks = false;                       // this step's events
   bool plots = false;                       // energy, penetration
   std::size_t liquid_limit = kLiquidLimit;  // particles of a fluid in space up to which its surface is built
+  int volume_level = 0;                     // below the volume of the whole
   const char* point_scalar = "speed";       // what colours points: "speed", "density", "pressure", "none"
 };
 
@@ -37,7 +40,8 @@ struct ToggleInfo {
 };
 std::span<const ToggleInfo> toggle_list();
 std::span<const char* const> point_scalars();
-// "contacts,joints" on, "-springs" off, "density" colours points by it; SceneError that lists the known names.
+// "contacts,joints" on, "-springs" off, "volumes=3" on at that level, "density" colours points by it; SceneError that
+// lists the known names.
 void set_toggles(Toggles& toggles, std::string_view list);
 
 }  // namespace feder::view

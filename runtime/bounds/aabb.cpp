@@ -27,6 +27,7 @@ struct AabbVolume {
     const Vec3 d = box.hi - box.lo;
     return static_cast<double>(d[0]) * static_cast<double>(d[1]) * static_cast<double>(d[2]);
   }
+  bool edges(EdgeVisitor visit) const { return edges_of_box(box, visit); }
 };
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstring>
 #include <span>
+#include <vector>
 
 #include "bounds/box_query.h"
 #include "feder/error.h"
@@ -85,6 +86,20 @@ class BoxTree {
             [&](const Node& n) {
               for (std::uint32_t k = n.first; k < n.first + n.count; ++k) visit(items_[k]);
             });
+  }
+  // For drawing: visit(box) for the boxes so many levels below the root and those of leaves above, while it returns
+  // true. Returns whether there are deeper ones.
+  template <class F>
+  bool boxes_at(int level, F&& visit) const {
+    std::vector<int> depth(nodes_.size(), 0);
+    bool more = true, deeper = false;
+    for (std::size_t n = 0; n < depth.size(); ++n) {
+      const Node& node = nodes_[n];
+      if (node.count == 0) depth[node.first] = depth[node.first + 1] = depth[n] + 1;
+      deeper |= depth[n] > level;
+      if (more && (depth[n] == level || (node.count > 0 && depth[n] < level))) more = visit(node.box);
+    }
+    return deeper;
   }
 
  private:

@@ -4,6 +4,7 @@
 //   bool contains(p), overlaps(V), meets(Aabb), meets_ray(origin, ray)
 //   double cost()    what a random query costs there: of the order of half its surface, m^2
 //   double volume()
+//   bool edges(EdgeVisitor)                                    for drawing
 // Leaves keep the volumes of their items as well, so an item is found by its own.
 #pragma once
 #include <vector>
@@ -24,6 +25,7 @@ class VolumeOf final : public BoundingVolume {
     return std::make_unique<VolumeOf>(V::joined(v_, static_cast<const VolumeOf&>(o).v_));
   }
   double volume() const override { return v_.volume(); }
+  bool edges(EdgeVisitor visit) const override { return v_.edges(visit); }
 
  private:
   V v_;
@@ -85,6 +87,18 @@ class HierarchyOf final : public Hierarchy {
       }
     }
     add(cost, tests);
+  }
+
+  bool volumes_at(int level, EdgeVisitor visit) const override {
+    std::vector<int> depth(tree_.nodes.size(), 0);
+    bool more = true, deeper = false;
+    for (std::size_t n = 0; n < depth.size(); ++n) {
+      const TreeNode& node = tree_.nodes[n];
+      if (!node.leaf()) depth[node.child] = depth[node.child + 1] = depth[n] + 1;  // they follow their parent
+      deeper |= depth[n] > level;
+      if (more && (depth[n] == level || (node.leaf() && depth[n] < level))) more = volumes_[n].edges(visit);
+    }
+    return deeper;
   }
 
   std::uint32_t size() const override { return static_cast<std::uint32_t>(tree_.order.size()); }

@@ -7,6 +7,7 @@
 
 #include "base/double3.h"
 #include "bounds/hierarchy_of.h"
+#include "bounds/polytope.h"
 #include "bounds/quickhull.h"
 #include "bounds/slack.h"
 #include "feder/error.h"
@@ -162,6 +163,13 @@ struct HullVolume {
   double thin() const { return 4e-5 * static_cast<double>((box.hi - box.lo).maxCoeff()) + slack; }
   double cost() const { return surface / 2; }
   double volume() const { return held; }
+  bool edges(EdgeVisitor visit) const {
+    std::vector<HalfSpace> planes;
+    double size = 0;
+    for (std::size_t k = 0; k < offsets.size(); ++k) planes.push_back({body.normals[k], offsets[k]});
+    for (const Double3& c : body.corners) size = std::max(size, length(c));
+    return edges_within(planes, size, visit);
+  }
 };
 
 }  // namespace

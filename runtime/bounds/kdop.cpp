@@ -93,15 +93,25 @@ struct KdopVolume {
     return (x * y + y * z + z * x) * share / (kCount - 3);
   }
   double volume() const {
+    double size;
+    const std::vector<HalfSpace> planes = half_spaces(size);
+    return volume_within(planes, size);
+  }
+  bool edges(EdgeVisitor visit) const {
+    double size;
+    const std::vector<HalfSpace> planes = half_spaces(size);
+    return edges_within(planes, size, visit);
+  }
+  std::vector<HalfSpace> half_spaces(double& size) const {
     std::vector<HalfSpace> planes;
-    double size = 0;
+    size = 0;
     for (int k = 0; k < kCount; ++k) {
       const int* d = direction(k);
       const Double3 n{double(d[0]), double(d[1]), double(d[2])};
       planes.push_back({n, static_cast<double>(hi[k])}), planes.push_back({-n, -static_cast<double>(lo[k])});
       if (k < 3) size += std::max(std::abs(static_cast<double>(lo[k])), std::abs(static_cast<double>(hi[k])));
     }
-    return volume_within(planes, size);
+    return planes;
   }
 };
 

@@ -145,6 +145,11 @@ struct ObbVolume {
   double volume() const {
     return 8 * static_cast<double>(half[0]) * static_cast<double>(half[1]) * static_cast<double>(half[2]);
   }
+  bool edges(EdgeVisitor visit) const {
+    Mat3 half_axes;
+    for (int k = 0; k < 3; ++k) half_axes.col(k) = half[k] * axes.col(k);
+    return edges_of_box(center, half_axes, visit);
+  }
 };
 
 }  // namespace

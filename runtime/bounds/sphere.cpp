@@ -118,6 +118,7 @@ struct SphereVolume {
   }
   double cost() const { return static_cast<double>(radius * radius); }
   double volume() const { return 4 * 3.14159265358979323846 / 3 * std::pow(static_cast<double>(radius), 3); }
+  bool edges(EdgeVisitor visit) const { return edges_of_ball(center, radius, visit); }
 };
 
 }  // namespace

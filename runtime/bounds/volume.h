@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 
+#include "bounds/edges.h"
 #include "bounds/tree_build.h"
 #include "feder/types.h"
 
@@ -31,7 +32,8 @@ class BoundingVolume {
   virtual bool overlaps(const BoundingVolume& same_kind) const = 0;
   virtual bool meets(const Aabb& box) const = 0;  // may say so of a box that it just misses
   virtual std::unique_ptr<BoundingVolume> merged(const BoundingVolume& same_kind) const = 0;
-  virtual double volume() const = 0;  // m^3
+  virtual double volume() const = 0;                // m^3
+  virtual bool edges(EdgeVisitor visit) const = 0;  // false when the visitor wants no more
 };
 
 // Called for what a query finds.
@@ -64,6 +66,8 @@ class Hierarchy {
                          HierarchyCost* cost = nullptr) const = 0;
   // Of items whose volumes overlap.
   virtual void pairs(PairVisitor visit, HierarchyCost* cost = nullptr) const = 0;
+  // Edges of the volumes so many levels below the root, and of the leaves above. True: there are deeper ones.
+  virtual bool volumes_at(int level, EdgeVisitor visit) const = 0;
   virtual std::uint32_t size() const = 0;
   virtual std::size_t bytes() const = 0;
   virtual std::uint32_t rebuilt() const = 0;  // subtrees, by refits

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/double3.h"
+#include "bounds/polytope.h"
 #include "feder/types.h"
 
 namespace feder {
@@ -55,6 +56,34 @@ class Bsp {
       if (side >= 0 && n.child[0] != kNone) stack.push_back(n.child[0]);
       if (side <= 0 && n.child[1] != kNone) stack.push_back(n.child[1]);
     }
+  }
+
+  // For drawing: visit(half-spaces) for the cells so many planes below the whole, and those above that none parts,
+  // while it returns true; `around` bounds all of them. Returns whether there are deeper ones.
+  template <class F>
+  bool cells_at(int level, std::vector<HalfSpace> around, F&& visit) const {
+    struct Step {
+      std::uint32_t node;
+      int depth;
+      HalfSpace side;  // of the plane above it
+    };
+    const std::size_t outer = around.size();
+    std::vector<Step> stack{{nodes_.empty() ? kNone : 0, 0, {}}};
+    bool more = true, deeper = false;
+    while (!stack.empty() && more) {
+      const Step s = stack.back();
+      stack.pop_back();
+      if (s.depth > 0) around.resize(outer + static_cast<std::size_t>(s.depth) - 1), around.push_back(s.side);
+      if (s.node == kNone || s.depth == level) {
+        deeper |= s.node != kNone;
+        more = visit(around);
+        continue;
+      }
+      const Node& n = nodes_[s.node];
+      stack.push_back({n.child[0], s.depth + 1, {-n.normal, -n.offset}});
+      stack.push_back({n.child[1], s.depth + 1, {n.normal, n.offset}});
+    }
+    return deeper || !more;
   }
 
   std::size_t nodes() const { return nodes_.size(); }

@@ -13,7 +13,7 @@ namespace {
 class BspIndex final : public TriangleIndex {
  public:
   BspIndex(std::span<const Vec3> corners, const MeshIndex&) : tree_(corners) {
-    for (const Vec3& c : corners) size_ = std::max(size_, length(wide(c)));
+    for (const Vec3& c : corners) size_ = std::max(size_, length(wide(c))), all_.include(c);
   }
   void find(const Aabb& box, std::vector<std::uint32_t>& out) const override {
     const auto bound = [](Real x) { return std::clamp(static_cast<double>(x), -1e30, 1e30); };
@@ -39,6 +39,24 @@ class BspIndex final : public TriangleIndex {
         out);
   }
   std::size_t bytes() const override { return tree_.bytes(); }
+  bool volumes_at(int level, EdgeVisitor visit) const override {
+    std::vector<HalfSpace> box;
+    for (int k = 0; k < 3; ++k) {
+      const Double3 n{k == 0 ? 1.0 : 0.0, k == 1 ? 1.0 : 0.0, k == 2 ? 1.0 : 0.0};
+      box.push_back({n, static_cast<double>(all_.hi[k])}), box.push_back({-n, -static_cast<double>(all_.lo[k])});
+    }
+    const double size = 2 * size_;  // corners of the box are farther away than those of triangles
+    return tree_.cells_at(level, box, [&](const auto& planes) { return edges_within(planes, size, visit); });
+  }
+  bool back_to_front(const Vec3& eye, PieceVisitor visit, void* context) const override {
+    std::vector<Vec3> corners;
+    tree_.back_to_front(eye, [&](const Bsp::Piece& piece) {
+      corners.clear();
+      for (const Double3& c : piece.corners) corners.push_back(narrow(c));
+      visit(context, piece.triangle, corners);
+    });
+    return true;
+  }
 
  private:
   double room() const { return 1e-6 * size_; }
@@ -49,6 +67,7 @@ class BspIndex final : public TriangleIndex {
   }
   Bsp tree_;
   double size_ = 0;
+  Aabb all_;
 };
 
 }  // namespace

@@ -17,6 +17,7 @@ class BvhIndex final : public TriangleIndex {
     tree_->query_ray(origin, ray, append(out));
   }
   std::size_t bytes() const override { return tree_->bytes(); }
+  bool volumes_at(int level, EdgeVisitor visit) const override { return tree_->volumes_at(level, visit); }
 
  private:
   static ItemVisitor append(std::vector<std::uint32_t>& out) {

@@ -85,6 +85,24 @@ class GridIndex final : public TriangleIndex {
   std::size_t bytes() const override {
     return (first_.size() + items_.size()) * sizeof(std::uint32_t) + begin_.size() * sizeof(Cell);
   }
+  // The whole, then the cells with triangles in them.
+  bool volumes_at(int level, EdgeVisitor visit) const override {
+    if (level == 0 || first_.size() < 3) return edges_of_box(all_, visit), first_.size() > 2;
+    for (int z = 0; z < size_[2]; ++z)
+      for (int y = 0; y < size_[1]; ++y)
+        for (int x = 0; x < size_[0]; ++x) {
+          const std::size_t c = cell(x, y, z);
+          if (first_[c] == first_[c + 1]) continue;
+          const int at[3] = {x, y, z};
+          Aabb box = all_;
+          for (int k = 0; k < 3; ++k)
+            if (width_inv_[k] > 0)
+              box.lo[k] = all_.lo[k] + Real(at[k]) / width_inv_[k],
+              box.hi[k] = all_.lo[k] + Real(at[k] + 1) / width_inv_[k];
+          if (!edges_of_box(box, visit)) return false;
+        }
+    return false;
+  }
 
  private:
   struct Cell {

@@ -17,11 +17,10 @@ class KdTreeIndex final : public TriangleIndex {
   KdTreeIndex(std::span<const Vec3> corners, const MeshIndex& choice) : boxes_(boxes_of_triangles(corners)) {
     leaf_ = choice.leaf > 0 ? choice.leaf : 8;
     room_ = kMostTwice * boxes_.size();
-    Aabb all;
     std::vector<std::uint32_t> own;
-    for (std::uint32_t i = 0; i < boxes_.size(); ++i) all.include(boxes_[i]), own.push_back(i);
+    for (std::uint32_t i = 0; i < boxes_.size(); ++i) all_.include(boxes_[i]), own.push_back(i);
     nodes_.push_back({});
-    build(0, own, all, 0);
+    build(0, own, all_, 0);
     boxes_.clear(), boxes_.shrink_to_fit();
   }
   void find(const Aabb& box, std::vector<std::uint32_t>& out) const override {
@@ -68,6 +67,29 @@ class KdTreeIndex final : public TriangleIndex {
     }
   }
   std::size_t bytes() const override { return nodes_.size() * sizeof(Node) + items_.size() * sizeof(std::uint32_t); }
+  bool volumes_at(int level, EdgeVisitor visit) const override {
+    struct Part {
+      std::uint32_t node;
+      int depth;
+      Aabb box;
+    };
+    std::vector<Part> stack{{0, 0, all_}};
+    bool more = true, deeper = false;
+    while (!stack.empty()) {
+      const Part p = stack.back();
+      stack.pop_back();
+      const Node& n = nodes_[p.node];
+      if (n.axis < 0 || p.depth == level) {
+        deeper |= n.axis >= 0;
+        if (more) more = edges_of_box(p.box, visit);
+        continue;
+      }
+      Part low{n.first, p.depth + 1, p.box}, high{n.first + 1, p.depth + 1, p.box};
+      low.box.hi[n.axis] = high.box.lo[n.axis] = n.at;
+      stack.push_back(high), stack.push_back(low);
+    }
+    return deeper;
+  }
 
  private:
   struct Node {
@@ -108,7 +130,8 @@ class KdTreeIndex final : public TriangleIndex {
   }
 
   std::size_t leaf_ = 8, room_ = 0;  // how many more may lie on both sides of a plane
-  std::vector<Aabb> boxes_;          // while it is built
+  Aabb all_;
+  std::vector<Aabb> boxes_;  // while it is built
   std::vector<Node> nodes_;
   std::vector<std::uint32_t> items_;
 };

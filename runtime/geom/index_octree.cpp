@@ -40,6 +40,23 @@ class OctreeIndex final : public TriangleIndex {
     visit([&](const Aabb& loose) { return segment_hits(loose, origin, ray); }, out);
   }
   std::size_t bytes() const override { return cells_.size() * sizeof(Cell) + items_.size() * sizeof(std::uint32_t); }
+  // The cells as they are divided; what lies in one may stand out of it by half its width.
+  bool volumes_at(int level, EdgeVisitor visit) const override {
+    std::vector<int> depth(cells_.size(), 0);
+    bool more = true, deeper = false;
+    for (std::size_t n = 0; n < cells_.size(); ++n) {
+      const Cell& c = cells_[n];
+      bool parted = false;
+      for (const std::uint32_t child : c.child)
+        if (child != kNone) depth[child] = depth[n] + 1, parted = true;
+      deeper |= depth[n] > level;
+      if (!more || depth[n] > level || (depth[n] < level && parted && c.count == 0)) continue;
+      Aabb box{c.middle, c.middle};
+      box.grow(c.half);
+      more = edges_of_box(box, visit);
+    }
+    return deeper;
+  }
 
  private:
   struct Cell {

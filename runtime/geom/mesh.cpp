@@ -79,6 +79,9 @@ class Mesh final : public Shape {
   std::span<const ShapeSurface> surfaces() const override { return surfaces_; }
   std::string describe() const override;
   ShapePtr solid() const override;
+  bool volumes_at(int level, bool (*edge)(void*, const Vec3&, const Vec3&), void* context) const override;
+  bool back_to_front(const Vec3& eye, void (*visit)(void*, std::uint32_t, std::span<const Vec3>),
+                     void* context) const override;
 
  private:
   void find_neighbors(std::span<const Corners> corners);
@@ -152,6 +155,17 @@ std::string Mesh::describe() const {
   if (choice_.leaf > 0) text += ", leaf " + number(choice_.leaf);
   return text + ", " + number(triangles_.size()) + (triangles_.size() == 1 ? " triangle" : " triangles") +
          (index_ ? ", " + number((index_->bytes() + 1023) / 1024) + " KiB" : "");
+}
+
+bool Mesh::volumes_at(int level, bool (*edge)(void*, const Vec3&, const Vec3&), void* context) const {
+  const EdgeVisitor visit{edge, context};
+  if (index_) return index_->volumes_at(level, visit);
+  return tree_.boxes_at(level, [&](const Aabb& box) { return edges_of_box(box, visit); });
+}
+
+bool Mesh::back_to_front(const Vec3& eye, void (*visit)(void*, std::uint32_t, std::span<const Vec3>),
+                         void* context) const {
+  return index_ && index_->back_to_front(eye, visit, context);
 }
 
 void Mesh::find_neighbors(std::span<const Corners> corners) {

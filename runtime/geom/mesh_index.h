@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "bounds/edges.h"
 #include "feder/shape.h"
 
 namespace feder {
@@ -22,6 +23,11 @@ class TriangleIndex {
   virtual void find(const Aabb& box, std::vector<std::uint32_t>& out) const = 0;
   virtual void find_ray(const Vec3& origin, const Vec3& ray, std::vector<std::uint32_t>& out) const = 0;
   virtual std::size_t bytes() const = 0;
+  // For drawing: Shape::volumes_at. Where space is divided and not the triangles, the cells.
+  virtual bool volumes_at(int level, EdgeVisitor visit) const = 0;
+  // For drawing: Shape::back_to_front, of those that know the order.
+  using PieceVisitor = void (*)(void* context, std::uint32_t triangle, std::span<const Vec3> corners);
+  virtual bool back_to_front(const Vec3&, PieceVisitor, void*) const { return false; }
 };
 
 struct TriangleIndexKind {

@@ -28,6 +28,11 @@ const Triangle& Shape::triangle(std::uint32_t) const {
   return none;
 }
 
+bool Shape::volumes_at(int, bool (*)(void*, const Vec3&, const Vec3&), void*) const { return false; }
+bool Shape::back_to_front(const Vec3&, void (*)(void*, std::uint32_t, std::span<const Vec3>), void*) const {
+  return false;
+}
+
 std::span<const CompoundPart> Shape::parts() const { return {}; }
 std::span<const ShapeSurface> Shape::surfaces() const { return {}; }
 

@@ -4,6 +4,7 @@
 #include <map>
 
 #include "base/rng.h"
+#include "bounds/polytope.h"
 #include "bounds/volume.h"
 #include "feder/error.h"
 #include "support/catch.h"
@@ -121,6 +122,70 @@ TEST_CASE("a plate that is a thousand million times as wide as thick is held", "
   for (const Vec3& p : plate) CHECK(v->contains(p));
   CHECK(std::isfinite(v->volume()));
   CHECK(v->meets({Vec3(0, 1, 2), Vec3(2, 3, 4)}));
+}
+
+TEST_CASE("edges of a volume lie on it and reach as far as what it holds", "[bounds][volume]") {
+  const VolumeKind& kind = any_volume();
+  const Real scale = GENERATE(Real(1e-3), Real(1), Real(1e5));
+  const bool round = std::string(kind.name) == "sphere";
+  Rng rng(8);
+  for (int k = 0; k < 40; ++k) {
+    const std::vector<Vec3> points = cloud(k % 4, 4 + k / 2, rng, static_cast<double>(scale));
+    const auto volume = kind.around({points, 1});
+    std::vector<Vec3> ends;
+    const auto add = [](void* to, const Vec3& a, const Vec3& b) {
+      auto& list = *static_cast<std::vector<Vec3>*>(to);
+      list.push_back(a), list.push_back(b);
+      return true;
+    };
+    CHECK(volume->edges({add, &ends}));
+    CAPTURE(kind.name, scale, k);
+    REQUIRE(ends.size() >= 6);
+    const Real room = Real(2e-3) * scale;
+    for (const Vec3& p : ends) {
+      Aabb near{p, p};
+      near.grow(room);
+      REQUIRE(volume->meets(near));
+    }
+    for (int j = 0; j < 30; ++j) {  // circles stand for a sphere along the axes only
+      const Vec3 d =
+          round ? Vec3((j % 2 ? 1 : -1) * Vec3::Unit(j % 3)) : Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), 1);
+      const auto farthest = [&](const std::vector<Vec3>& list) {
+        Real far = -kInfinity;
+        for (const Vec3& p : list) far = std::max(far, dot(p, d));
+        return far;
+      };
+      REQUIRE(farthest(ends) >= farthest(points) - room);
+    }
+    // the visitor may have enough
+    int count = 0;
+    const auto few = [](void* to, const Vec3&, const Vec3&) { return ++*static_cast<int*>(to) < 3; };
+    CHECK_FALSE(volume->edges({few, &count}));
+    CHECK(count == 3);
+  }
+}
+
+TEST_CASE("half-spaces have each edge once", "[bounds][volume]") {
+  std::vector<HalfSpace> planes;
+  for (int k = 0; k < 3; ++k) {
+    const Double3 n = wide(Vec3::Unit(k));
+    planes.push_back({n, 1}), planes.push_back({-n, 1});
+  }
+  const auto measure = [&] {
+    std::pair<int, double> found{0, 0};  // edges, and how long they are in all
+    const auto add = [](void* to, const Vec3& a, const Vec3& b) {
+      auto& [count, sum] = *static_cast<std::pair<int, double>*>(to);
+      return ++count, sum += static_cast<double>(length(Vec3(b - a))), true;
+    };
+    CHECK(edges_within(planes, 2, {add, &found}));
+    return found;
+  };
+  CHECK(measure() == std::pair{12, 24.0});
+  planes.push_back({{1, 1, 0}, 2});  // touches an edge, and takes nothing away
+  CHECK(measure().second == Approx(24));
+  planes.back() = {{1, 1, 1}, 2};  // cuts a corner off
+  CHECK(measure().first == 15);
+  CHECK(measure().second == Approx(24 - 3 + 3 * std::sqrt(2.0)));
 }
 
 TEST_CASE("volumes refuse what is not finite, and nothing", "[bounds][volume]") {

@@ -135,6 +135,70 @@ TEST_CASE("every index finds the triangles that the mesh finds without one", "[g
   }
 }
 
+TEST_CASE("every index shows its volumes level by level", "[geom][mesh_index]") {
+  const std::string kind = GENERATE("one", "ground", "sizes", "helix", "fan");
+  const Soup s = soup(kind);
+  std::vector<MeshIndex> all = choices();
+  all.push_back({}), all.push_back({"bvh", "hull", "", 0});
+  struct Seen {
+    Aabb box;
+    std::size_t edges = 0, most = 1'000'000;
+  };
+  const auto see = [](void* to, const Vec3& a, const Vec3& b) {
+    Seen& seen = *static_cast<Seen*>(to);
+    seen.box.include(a), seen.box.include(b);
+    return ++seen.edges < seen.most;
+  };
+  for (const MeshIndex& choice : all) {
+    const ShapePtr mesh = mesh_of(s, choice);
+    CAPTURE(kind, choice.index, choice.volume, choice.build, choice.leaf);
+    const Aabb whole = mesh->bounds({});
+    Seen top;
+    int level = 0;
+    for (bool deeper = mesh->volumes_at(0, see, &top); deeper && level < 12;) {
+      Seen seen;
+      deeper = mesh->volumes_at(++level, see, &seen);
+      CAPTURE(level);
+      REQUIRE(seen.edges > 0);
+      REQUIRE(is_finite(seen.box.lo));
+      REQUIRE(is_finite(seen.box.hi));
+      REQUIRE(overlaps(seen.box, whole));
+    }
+    if (choice.index == "bvh" || choice.index.empty()) CHECK((level > 0) == (kind != "one"));
+    const Real room = Real(1e-4) * (whole.hi - whole.lo).maxCoeff();
+    CHECK((top.box.lo.array() <= whole.lo.array() + room).all());
+    CHECK((top.box.hi.array() >= whole.hi.array() - room).all());
+    // below the last level it is shown again
+    Seen below;
+    if (choice.index != "bsp") CHECK_FALSE(mesh->volumes_at(1000, see, &below));
+    Seen few;
+    few.most = 4;
+    mesh->volumes_at(level, see, &few);
+    CHECK(few.edges == 4);
+  }
+}
+
+TEST_CASE("a mesh knows an order from back to front when its index is a partition", "[geom][mesh_index]") {
+  const Soup s = soup("sizes");
+  const auto add_area = [](void* to, std::uint32_t, std::span<const Vec3> corners) {
+    for (std::size_t k = 2; k < corners.size(); ++k)
+      *static_cast<double*>(to) +=
+          static_cast<double>(length(cross(corners[k - 1] - corners[0], corners[k] - corners[0]))) / 2;
+  };
+  for (const MeshIndex& choice : choices()) {
+    const ShapePtr mesh = mesh_of(s, choice);
+    double seen = 0, whole = 0;
+    CAPTURE(choice.index);
+    CHECK(mesh->back_to_front(Vec3(9, 2, 1), add_area, &seen) == (choice.index == "bsp"));
+    for (const std::uint32_t i : inside(*mesh, Aabb::everything())) {
+      const Triangle& t = mesh->triangle(i);
+      const Vec3 corners[3] = {t.a, t.b, t.c};
+      add_area(&whole, i, corners);
+    }
+    if (choice.index == "bsp") CHECK(seen == Approx(whole).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("choices that do not exist are errors with the known ones", "[geom][mesh_index]") {
   const Soup s = soup("one");
   CHECK_THROWS_WITH(mesh_of(s, {"hash", "", "", 0}), Catch::Contains("octree"));

@@ -171,6 +171,48 @@ TEST_CASE("a mistake in an options table says file, line, expected and given", "
   }
 }
 
+TEST_CASE("a mistake in how a mesh finds its triangles names what there is", "[lua][options]") {
+  const Mistake mistakes[] = {
+      {"{ index = 'octre' }", "feder.mesh: unknown mesh index 'octre'; known: bvh, grid, kd_tree, octree, bsp"},
+      {"{ index = 'BVH' }", "feder.mesh: unknown mesh index 'BVH'; known: bvh, grid, kd_tree, octree, bsp"},
+      {"{ index = 3 }", "feder.mesh.index: expected a string, got 3"},
+      {"{ index = { 'grid' } }", "feder.mesh.index: expected a string, got a table"},
+      {"{ index = 'grid', volume = 'obb' }",
+       "feder.mesh: volume and build are those of index = \"bvh\", got index = \"grid\""},
+      {"{ index = 'bsp', build = 'sah' }",
+       "feder.mesh: volume and build are those of index = \"bvh\", got index = \"bsp\""},
+      {"{ volume = 'sphre' }",
+       "feder.mesh: unknown bounding volume 'sphre'; known: aabb, sphere, obb, kdop14, kdop18, kdop26, hull"},
+      {"{ index = 'bvh', volume = 'kdop16' }",
+       "feder.mesh: unknown bounding volume 'kdop16'; known: aabb, sphere, obb, kdop14, kdop18, kdop26, hull"},
+      {"{ volume = false }", "feder.mesh.volume: expected a string, got false"},
+      {"{ build = 'shah' }", "feder.mesh: unknown build 'shah'; known: top_down, sah, bottom_up, insertion, morton"},
+      {"{ volume = 'obb', build = 'median' }",
+       "feder.mesh: unknown build 'median'; known: top_down, sah, bottom_up, insertion, morton"},
+      {"{ build = print }", "feder.mesh.build: expected a string, got a function"},
+      {"{ leaf = 0 }", "feder.mesh.leaf: expected a whole number from 1 to 64, got 0"},
+      {"{ leaf = -1 }", "feder.mesh.leaf: expected a whole number from 1 to 64, got -1"},
+      {"{ leaf = 65 }", "feder.mesh.leaf: expected a whole number from 1 to 64, got 65"},
+      {"{ leaf = 1e9 }", "feder.mesh.leaf: expected a whole number from 1 to 64, got 1000000000"},
+      {"{ leaf = 2.5 }", "feder.mesh.leaf: expected a whole number from 1 to 64, got 2.5"},
+      {"{ leaf = 0/0 }", "feder.mesh.leaf: expected a whole number from 1 to 64, got nan"},
+      {"{ leaf = 1/0 }", "feder.mesh.leaf: expected a whole number from 1 to 64, got inf"},
+      {"{ leaf = '4' }", "feder.mesh.leaf: expected a whole number from 1 to 64, got '4'"},
+      {"{ indx = 'bvh' }", "feder.mesh: unknown option 'indx'; did you mean 'index'?"},
+      {"{ leaves = 4 }", "feder.mesh: unknown option 'leaves'; did you mean 'leaf'?"},
+      {"{ 'bvh' }", "feder.mesh: expected options by name, got the key 1"},
+      {"'bvh'", "feder.mesh: expected a table of options { ... }, got 'bvh'"},
+      {"{ leaf = 2 }, 4", "feder.mesh: expected at most 3 arguments, got 4"},
+  };
+  for (const Mistake& m : mistakes) {
+    CAPTURE(m.text);
+    CHECK(run(std::string("feder.mesh({{0,0,0},{1,0,0},{0,0,1}}, {{1,3,2}}, ") + m.text + ")").error ==
+          std::string("test.lua:1: ") + m.message);
+  }
+  CHECK(error_of("world:body{ shape = feder.sphere(1), transparency = 2 }") ==
+        "test.lua:1: world:body.transparency: expected a number from 0 to 1, got 2");
+}
+
 TEST_CASE("a quaternion may be as long as a few digits make it", "[lua][options]") {
   CHECK(output_of(R"(
     local x, y, z, w = world:body{ shape = feder.sphere(1), rotation = {0, 0.7071, 0, 0.7071} }:rotation()

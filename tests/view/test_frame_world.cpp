@@ -108,6 +108,69 @@ TEST_CASE("toggles are found by name", "[view]") {
   CHECK(std::string(t.point_scalar) == "pressure");
   CHECK_FALSE(t.points);
   CHECK_THROWS_WITH(set_toggles(t, "contakts"), Catch::Contains("did you mean 'contacts'"));
+  set_toggles(t, "volumes=3,joints");
+  CHECK(t.volumes);
+  CHECK(t.volume_level == 3);
+  set_toggles(t, "-volumes");
+  CHECK_FALSE(t.volumes);
+  for (const char* bad : {"volumes=", "volumes=-1", "volumes=2x", "volumes=65", "joints=1"})
+    CHECK_THROWS_WITH(set_toggles(t, bad), Catch::Contains("a level from 0 to 64, got '"));
+  CHECK_THROWS_WITH(set_toggles(t, "volume=3"), Catch::Contains("did you mean 'volumes'"));
+}
+
+TEST_CASE("volumes are drawn by level, where a mesh stands", "[view]") {
+  World world({}, catalog());
+  add_box(world, vec3(1, 1, 1), vec3(0, 9, 0));
+  add_ground(world);
+  std::vector<Vec3> points;
+  std::vector<std::uint32_t> triangles;
+  for (int i = 0; i < 8; ++i)
+    for (const Vec3& p : {vec3(0, 0, 0), vec3(1, 0, 0), vec3(0, 0, 1)})
+      triangles.push_back(static_cast<std::uint32_t>(points.size())), points.push_back(p + vec3(Real(2 * i), 0, 0));
+  BodyDesc d;
+  d.type = BodyType::fixed, d.position = vec3(5, 0, 0);
+  d.shape = make_shape("mesh", {.points = points, .triangles = triangles, .mesh_index = {"bvh", "aabb", "", 1}});
+  world.need<Rigid>().add_body(d);
+  Toggles toggles;
+  set_toggles(toggles, "volumes");
+  const Frame whole = collected(world, toggles);
+  REQUIRE(whole.outlines.size() == 12 + 12);  // of the box, and of the mesh
+  CHECK(whole.deeper_volumes);
+  CHECK(std::ranges::count_if(whole.outlines, [](const Line& l) { return l.a.y == 9.5f && l.b.y == 9.5f; }) == 4);
+  float left = 1e9f, right = -1e9f;
+  for (const Line& l : whole.outlines)
+    if (l.a.y < 1) left = std::min({left, l.a.x, l.b.x}), right = std::max({right, l.a.x, l.b.x});
+  CHECK(left == 5);
+  CHECK(right == 5 + 15);
+  Collector collector;
+  Frame f;
+  for (const int level : {1, 2, 3, 4, 0}) {
+    toggles.volume_level = level;
+    collector.collect(world, nullptr, toggles, f);
+    CHECK(f.outlines.size() == std::size_t(level == 0 ? 24 : level < 3 ? 12 << level : 12 * 8));
+    CHECK(f.deeper_volumes == (level < 3));
+    CHECK(f.notes.empty());
+  }
+  CHECK(subject_of(f).longest_side() == subject_of(collected(world)).longest_side());
+}
+
+TEST_CASE("volumes beyond what a picture can show are left out, and a note says so", "[view]") {
+  World world({}, catalog());
+  std::vector<Vec3> points;
+  std::vector<std::uint32_t> triangles;
+  for (int i = 0; i < 5000; ++i)
+    for (const Vec3& p : {vec3(0, 0, 0), vec3(1, 0, 0), vec3(0, 0, 1)})
+      triangles.push_back(static_cast<std::uint32_t>(points.size())), points.push_back(p + vec3(Real(2 * i), 0, 0));
+  BodyDesc d;
+  d.type = BodyType::fixed, d.name = "row";
+  d.shape = make_shape("mesh", {.points = points, .triangles = triangles, .mesh_index = {"bvh", "sphere", "", 1}});
+  world.need<Rigid>().add_body(d);
+  Toggles toggles;
+  set_toggles(toggles, "volumes=20");
+  const Frame f = collected(world, toggles);
+  CHECK(f.outlines.size() == 50000);
+  REQUIRE(f.notes.size() == 1);
+  CHECK(std::string(f.notes[0].text) == "body \"row\": of its volumes at level 20 the first 50000 edges are drawn");
 }
 
 TEST_CASE("collecting changes nothing: the hash of a run is the same with and without", "[view]") {
@@ -181,6 +244,31 @@ TEST_CASE("a script's colours and faces reach the frame", "[view]") {
   REQUIRE(f.meshes.size() == 1);
   CHECK(f.meshes[0].index_count == 6);
   CHECK(std::abs(std::abs(f.vertices[0].normal[2]) - 1) < 1e-6f);
+}
+
+TEST_CASE("transparent bodies come after the others", "[view]") {
+  lua::Script script({});
+  script.load_string(R"(
+    local feder = require "feder"
+    return feder.scene { title = "t", build = function(world)
+      world:body { shape = feder.box(1, 1, 1), color = "#102030", transparency = 0.6 }
+      world:body { shape = feder.sphere(1), position = { 3, 0, 0 }, transparency = 0 }
+      world:body { type = "static", shape = feder.mesh({{0,0,0},{1,0,0},{0,0,1}}, {{1,2,3}}, { index = "bsp" }),
+                   transparency = 1 }
+    end })",
+                     "scene.lua");
+  script.build();
+  Collector collector;
+  Frame f;
+  collector.collect(*script.world(), script.appearance(), {}, f);
+  REQUIRE(f.batches.size() == 3);
+  CHECK_FALSE(f.batches[0].translucent);
+  CHECK(f.batches[1].translucent);
+  CHECK(f.batches[2].translucent);
+  CHECK(f.instances[f.batches[1].first].color == Color{16, 32, 48, 102});
+  CHECK(f.instances[f.batches[2].first].color.a == 0);
+  CHECK(f.geometries[f.batches[2].geometry]->ordered);
+  CHECK_FALSE(f.geometries[f.batches[1].geometry]->ordered);
 }
 
 TEST_CASE("a scene says when and from where a picture tells most", "[view]") {

@@ -158,6 +158,32 @@ TEST_CASE("the mouse drags a body, keys pause and step", "[view][screen]") {
   CHECK(screen.wait([&](const json& s) { return s["objects"].contains("shot1"); }));
 }
 
+TEST_CASE("a key goes through the levels of volumes, and draws none after the last", "[view][screen]") {
+  if (!can_try()) return;
+  const test::SceneFolder folder;
+  const auto file = folder.write("still.lua", still_scene(R"(
+    local v, t = {}, {}
+    for i = 1, 4 do
+      v[3 * i - 2], v[3 * i - 1], v[3 * i] = { i, 1, 0 }, { i + 0.8, 1, 0 }, { i, 2, 0 }
+      t[i] = { 3 * i - 2, 3 * i - 1, 3 * i }
+    end
+    world:body { type = "static", shape = feder.mesh(v, t, { index = "bvh", volume = "sphere", leaf = 1 }) }
+  )"));
+  Screen screen;
+  screen.view(file);
+  REQUIRE(screen.wait([](const json& s) { return s.value("pictures", 0) > 10; }, 120));
+  CHECK(screen.status()["volumes"].is_null());
+  const Screen::Shot before = screen.shot();
+  for (const int level : {0, 1, 2}) {
+    screen.input("key v");
+    CHECK(screen.wait([&](const json& s) { return s["volumes"] == level; }));
+    CHECK(screen.wait_picture([&](const Screen::Shot& now) { return test::difference(before, now) > 0.005; }));
+  }
+  screen.input("key v");
+  CHECK(screen.wait([](const json& s) { return s["volumes"].is_null(); }));
+  CHECK(screen.wait_picture([&](const Screen::Shot& now) { return test::difference(before, now) < 0.01; }));
+}
+
 TEST_CASE("viewer and headless run end in the same state", "[view][screen]") {
   if (!can_try()) return;
   const char* scene = GENERATE("rigid/mixed_pile.lua", "springs/jelly.lua", "yaml/tower.yaml");

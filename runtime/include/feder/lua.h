@@ -102,7 +102,7 @@ struct SceneCamera {
 // Appearance of the objects of a world.
 struct Appearance {
   std::map<ObjectId, std::uint32_t> colors;              // 0xrrggbb; objects without one are not here
-  std::map<ObjectId, float> transparencies;              // of fluids, 0..1; as above
+  std::map<ObjectId, float> transparencies;              // of bodies and fluids, 0..1; as above
   std::map<ObjectId, std::vector<std::uint32_t>> faces;  // of nets: three point numbers (from 0) per triangle
   std::uint64_t version = 0;                             // goes up when a colour of an older object changes
 };

@@ -165,6 +165,14 @@ class Shape {
   virtual std::span<const std::string> warnings() const { return {}; }
   // Meshes only: the solid that its triangles bound, for bodies with a mass; made once. SceneError when there is none.
   virtual std::shared_ptr<const Shape> solid() const { return nullptr; }
+  // Meshes only, for drawing. Calls edge(context, a, b) for the edges of the volumes of the index so many levels below
+  // the whole and of those above that none lies below (shape frame), while it returns true. True: there are deeper
+  // ones.
+  virtual bool volumes_at(int level, bool (*edge)(void*, const Vec3&, const Vec3&), void* context) const;
+  // Meshes with index = "bsp" only, for drawing. Calls visit(context, triangle, corners) for parts of triangles, none
+  // of which hides a later one from `eye` (shape frame). False: this shape knows no such order.
+  virtual bool back_to_front(const Vec3& eye, void (*visit)(void*, std::uint32_t, std::span<const Vec3>),
+                             void* context) const;
 
   // The half-space n.x <= d, n unit: true and both for a plane.
   virtual bool half_space(Vec3& /*normal*/, Real& /*distance*/) const { return false; }
