@@ -1,5 +1,6 @@
 // The methods of bodies: check, call, push.
 #include "lua/rigid_part.h"
+#include "lua/shapes.h"
 #include "lua/world_options.h"
 #include "state/bodies.h"
 #include "state/colliders.h"
@@ -121,6 +122,33 @@ void body_set_damping(const Body& b, lua_State* L) {
   b.system.set_damping(b.id, linear, angular);
 }
 
+struct Tool {
+  ShapePtr shape = nullptr;
+  Pose place = {};  // world
+};
+
+void read_tool(Options& o, const OptionRow&, Tool& t) {
+  if (!shape_option(o, "shape", t.shape)) o.wrong("shape", "a shape (feder.box(1, 1, 1) ...)");
+}
+
+constexpr Option<Tool> kTool[] = {
+    special("shape", "shape", read_tool),
+    special("position", "vector", +[](Options& o, const OptionRow& row, Tool& t) { o.vector(row.name, t.place.position); },
+            "m"),
+    special("rotation", "rotation",
+            +[](Options& o, const OptionRow& row, Tool& t) { o.rotation(row.name, t.place.rotation); }),
+};
+
+// carve{ shape =, position = }, in world coordinates.
+template <void (Rigid::*Edit)(ObjectId, const ShapePtr&, const Pose&)>
+void body_edit(const Body& b, lua_State* L) {
+  Tool t;
+  Options(L, 2, function_name(L)).read(kTool, t);
+  const Pose body = b.system.pose(b.id);
+  (b.system.*Edit)(b.id, t.shape,
+                   {to_local(body, t.place.position), conjugate(body.rotation) * t.place.rotation});
+}
+
 struct Filter {
   std::uint32_t group = 1, mask = 0xffffffffu;
 };
@@ -192,6 +220,11 @@ const Method kBodyMethods[] = {
     {"sleep", method<&Rigid::sleep>, "body:sleep() -> self", "puts it to sleep"},
     {"type", method<body_type>, "body:type() -> string", "\"dynamic\", \"static\" or \"kinematic\""},
     {"set_type", method<body_set_type>, "body:set_type(name) -> self", "\"dynamic\", \"static\" or \"kinematic\""},
+    {"carve", method<body_edit<&Rigid::carve>>, "body:carve{ shape =, position =, rotation = } -> self",
+     "a solid at that place in the world is cut out; the shape becomes a field, parts that come off become bodies",
+     rows_of<kTool>},
+    {"weld_on", method<body_edit<&Rigid::weld_on>>, "body:weld_on{ shape =, position =, rotation = } -> self",
+     "a solid at that place in the world becomes part of it; the shape becomes a field", rows_of<kTool>},
     {"move_to", method<body_move_to>, "body:move_to(x, y, z, [qx, qy, qz, qw]) -> self",
      "kinematic: the pose at the end of the next step"},
     {"contacts", guard<body_contacts>, "body:contacts() -> {{other, x, y, z, nx, ny, nz, separation, impulse}, ...}",

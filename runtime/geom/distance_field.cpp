@@ -297,12 +297,41 @@ Real DistanceField::at(const Vec3& p, Vec3& slope) const {
 
 Real DistanceField::smooth_at(const Vec3& p, Vec3& slope) const {
   const Real half = layout_.spacing / 2;
-  for (int k = 0; k < 3; ++k) {
-    Vec3 to = p, from = p;
-    to[k] += half, from[k] -= half;
-    slope[k] = inverse_ * (at(to) - at(from));
+  if (is_adaptive() || !dense_slope(inverse_ * (p - layout_.origin), slope)) {
+    for (int k = 0; k < 3; ++k) {
+      Vec3 to = p, from = p;
+      to[k] += half, from[k] -= half;
+      slope[k] = inverse_ * (at(to) - at(from));
+    }
   }
   return at(p);
+}
+
+// The same differences from 12 corners each; false near the rim.
+bool DistanceField::dense_slope(const Vec3& u, Vec3& slope) const {
+  const std::ptrdiff_t stride[3] = {1, layout_.n[0], std::ptrdiff_t(layout_.n[0]) * layout_.n[1]};
+  std::ptrdiff_t cell[3], shifted[3];  // of u, and of half a cell before it
+  Real t[3], s[3];
+  for (int k = 0; k < 3; ++k) {
+    const Real v = u[k] - Real(0.5);
+    if (!(v >= 0 && u[k] < Real(layout_.n[k] - 2))) return false;
+    cell[k] = static_cast<std::ptrdiff_t>(u[k]), shifted[k] = static_cast<std::ptrdiff_t>(v);
+    t[k] = u[k] - Real(cell[k]), s[k] = v - Real(shifted[k]);
+  }
+  const std::ptrdiff_t at = cell[0] + stride[1] * cell[1] + stride[2] * cell[2];
+  for (int k = 0; k < 3; ++k) {
+    const int i = (k + 1) % 3, j = (k + 2) % 3;
+    const float* c = values_.data() + at + stride[k] * (shifted[k] - cell[k]);
+    const auto difference = [&](const float* from) {
+      const Real a = Real(from[0]), b = Real(from[stride[k]]), d = Real(from[2 * stride[k]]);
+      return (b - a) + s[k] * ((d - b) - (b - a));
+    };
+    const Real d00 = difference(c), d10 = difference(c + stride[i]);
+    const Real d01 = difference(c + stride[j]), d11 = difference(c + stride[i] + stride[j]);
+    const Real low = d00 + t[i] * (d10 - d00), high = d01 + t[i] * (d11 - d01);
+    slope[k] = inverse_ * (low + t[j] * (high - low));
+  }
+  return true;
 }
 
 std::size_t DistanceField::bytes() const {

@@ -37,7 +37,7 @@ class DistanceField {
 
   Real at(const Vec3& p) const;
   Real at(const Vec3& p, Vec3& slope) const;  // the gradient of what is interpolated: nearly of length 1
-  // The slope as the mean over a cell around p: continuous, and exact for a field of second order. Six times the cost.
+  // The slope as the mean over a cell around p: continuous, and exact for a field of second order.
   Real smooth_at(const Vec3& p, Vec3& slope) const;
 
   const FieldLayout& layout() const { return layout_; }
@@ -61,6 +61,7 @@ class DistanceField {
   void brick_cell(const Vec3& u, Cell& cell) const;
   Real inside(const Vec3& p, Vec3* slope) const;
   struct Builder;
+  bool dense_slope(const Vec3& u, Vec3& slope) const;
   void check() const;
 
   FieldLayout layout_;

@@ -46,13 +46,13 @@ Sdf::Sdf(DistanceField field, Real error, std::vector<std::string> warnings)
   IsoMesh mesh;
   surface(mesh);
   if (mesh.triangles.empty())
-    throw SceneError("sdf: nothing is inside; walls thinner than the spacing (" + number(field_.layout().spacing) +
+    throw SceneError("nothing is inside; walls thinner than the spacing (" + number(field_.layout().spacing) +
                      " m) are lost, a function is negative inside");
   for (const Vec3& v : mesh.vertices) box_.include(v);
   take_samples(mesh);
   take_hull(mesh);
   integrate();
-  if (!(unit_.mass > 0)) throw SceneError("sdf: its volume is not above 0; a field is negative inside");
+  if (!(unit_.mass > 0)) throw SceneError("its volume is not above 0; a field is negative inside");
   take_balls();
 }
 
@@ -280,7 +280,7 @@ Real Sdf::distance(const Vec3& p, Real limit, Vec3& normal) const {
     normal = normalized_or(p - (box_.lo + box_.hi) / 2, Vec3(0, 1, 0));
     return out;
   }
-  const Real d = field_.at(p, slope);
+  const Real d = field_.smooth_at(p, slope);
   if (!(dot(slope, slope) > kShort * kShort)) slope = slope_across(p, d);
   normal = normalized_or(slope, Vec3(0, 1, 0));
   return d;
@@ -368,7 +368,7 @@ bool is_sdf(const Shape& shape) {
 
 namespace {
 
-const SdfMakers kMakers = {build_sdf, combine_sdf, offset_sdf,
+const SdfMakers kMakers = {build_sdf, combine_sdf, offset_sdf, parts_of_sdf,
                            [](const Shape& s) { return static_cast<const Sdf&>(s).report(); },
                            [](const Shape& s) {
                              IsoMesh mesh;

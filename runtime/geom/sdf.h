@@ -84,6 +84,9 @@ ShapePtr build_sdf(const SdfDesc& desc);
 ShapePtr build_sdf_at(const SdfDesc& desc, const Vec3& middle);  // of a function alone, in a box about `middle`
 ShapePtr combine_sdf(SdfOperation operation, const Shape& a, const Shape& b, const Pose& place_b);
 ShapePtr offset_sdf(const Shape& a, Real distance);
+// Without sign, from where the values change it.
+std::vector<float> surface_distances(const FieldLayout& at, const std::vector<float>& values);
+std::vector<ShapePtr> parts_of_sdf(const ShapePtr& field);
 bool is_sdf(const Shape& shape);
 
 }  // namespace feder

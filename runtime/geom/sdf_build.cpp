@@ -27,7 +27,7 @@ std::string text(double x) {
   std::snprintf(out, sizeof out, "%g", x);
   return out;
 }
-[[noreturn]] void fail_sdf(const std::string& message) { throw SceneError("sdf: " + message); }
+[[noreturn]] void fail_sdf(const std::string& message) { throw SceneError(message); }
 
 void check_box(const Aabb& box, Real spacing) {
   const Vec3 side = box.hi - box.lo;
@@ -230,6 +230,16 @@ TriangleField surface_of(const FieldLayout& at, const std::vector<float>& values
   for (const std::uint32_t i : mesh.triangles) corners.push_back(mesh.vertices[i]);
   return TriangleField(std::move(corners));
 }
+
+}  // namespace
+
+std::vector<float> surface_distances(const FieldLayout& at, const std::vector<float>& values) {
+  std::vector<float> out = acquire(surface_of(at, values), at, SdfAcquire::rasterise).values;
+  for (float& d : out) d = std::abs(d);
+  return out;
+}
+
+namespace {
 
 // Values that are no distances become such: all of them where the slope at the surface is wrong, else those that miss
 // the distance to the surface by more than cells cut off from an edge, and whose own nearest point is not on it (within

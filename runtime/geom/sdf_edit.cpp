@@ -28,13 +28,37 @@ ShapePtr resampled(const Aabb& box, Real spacing, bool adaptive, const std::func
   return build_sdf_at(d, middle);
 }
 
+// On the grid of a itself, near b alone.
+ShapePtr cut_from(const Sdf& a, const Shape& b, const Pose& place_b) {
+  const FieldLayout& at = a.field().layout();
+  std::vector<float> values = a.field().values();
+  Aabb box = b.bounds(place_b);
+  box.grow(kPad * at.spacing);
+  int lo[3], hi[3];
+  for (int k = 0; k < 3; ++k) {
+    const auto corner = [&](Real x) { return std::clamp((x - at.origin[k]) / at.spacing, Real(-1), Real(at.n[k])); };
+    lo[k] = std::max(0, static_cast<int>(std::ceil(corner(box.lo[k]))));
+    hi[k] = std::min(at.n[k] - 1, static_cast<int>(std::floor(corner(box.hi[k]))));
+  }
+  for (int z = lo[2]; z <= hi[2]; ++z)
+    for (int y = lo[1]; y <= hi[1]; ++y)
+      for (int x = lo[0]; x <= hi[0]; ++x) {
+        Vec3 normal;
+        float& v = values[std::size_t(x) + std::size_t(at.n[0]) * (std::size_t(y) + std::size_t(at.n[1]) * std::size_t(z))];
+        const Real d = b.distance(to_local(place_b, at.corner(x, y, z)), kInfinity, normal);
+        v = std::max(v, static_cast<float>(-d));
+      }
+  return std::make_shared<Sdf>(DistanceField(at, std::move(values)), Real(-1), std::vector<std::string>{});
+}
+
 }  // namespace
 
 ShapePtr combine_sdf(SdfOperation operation, const Shape& a, const Shape& b, const Pose& place_b) {
   const Sdf *fa = as_field(a), *fb = as_field(b);
-  if (!fa && !fb) throw SceneError("sdf: expected at least one field, got a " + std::string(a.kind()) + " and a " + b.kind());
+  if (!fa && !fb) throw SceneError("expected at least one field, got a " + std::string(a.kind()) + " and a " + b.kind());
   for (const Shape* s : {&a, &b})
-    if (!(s->mass(1).mass > 0)) throw SceneError(std::string("sdf: a ") + s->kind() + " has no inside");
+    if (!(s->mass(1).mass > 0)) throw SceneError(std::string("a ") + s->kind() + " has no inside");
+  if (operation == SdfOperation::subtract && fa && !fa->field().is_adaptive()) return cut_from(*fa, b, place_b);
   Real spacing = kInfinity;
   bool adaptive = false;
   for (const Sdf* f : {fa, fb})
@@ -45,7 +69,7 @@ ShapePtr combine_sdf(SdfOperation operation, const Shape& a, const Shape& b, con
   if (operation == SdfOperation::intersect)
     for (int k = 0; k < 3; ++k) {
       box.lo[k] = std::max(box.lo[k], other.lo[k]), box.hi[k] = std::min(box.hi[k], other.hi[k]);
-      if (!(box.lo[k] < box.hi[k])) throw SceneError("sdf_intersect: nothing is left");
+      if (!(box.lo[k] < box.hi[k])) throw SceneError("nothing is left");
     }
   return resampled(box, spacing, adaptive, [&](const Vec3& p) {
     Vec3 normal;
@@ -61,16 +85,104 @@ ShapePtr combine_sdf(SdfOperation operation, const Shape& a, const Shape& b, con
 
 ShapePtr offset_sdf(const Shape& a, Real distance) {
   const Sdf* f = as_field(a);
-  if (!f) throw SceneError(std::string("sdf_offset: expected a field, got a ") + a.kind());
-  if (!is_finite(distance)) throw SceneError("sdf_offset: expected a finite distance");
+  if (!f) throw SceneError(std::string("expected a field, got a ") + a.kind());
+  if (!is_finite(distance)) throw SceneError("distance: expected a finite distance");
   Aabb box = f->box();
   box.grow(distance);
   for (int k = 0; k < 3; ++k)
-    if (!(box.lo[k] < box.hi[k])) throw SceneError("sdf_offset: nothing is left");
+    if (!(box.lo[k] < box.hi[k])) throw SceneError("nothing is left");
   return resampled(box, f->field().layout().spacing, f->field().is_adaptive(), [&](const Vec3& p) {
     Vec3 normal;
     return f->distance(p, kInfinity, normal) - distance;
   });
+}
+
+namespace {
+
+// A part's values without the others: what was near these is measured anew from its own surface.
+std::vector<float> alone(const FieldLayout& at, const std::vector<float>& values, const std::vector<std::uint32_t>& part,
+                         std::uint32_t number) {
+  std::vector<float> own = values;
+  std::vector<std::uint8_t> near(values.size(), 0);  // to a corner of another
+  const int n[3] = {at.n[0], at.n[1], at.n[2]};
+  const auto index = [&](int x, int y, int z) {
+    return std::size_t(x) + std::size_t(n[0]) * (std::size_t(y) + std::size_t(n[1]) * std::size_t(z));
+  };
+  for (int z = 0; z < n[2]; ++z)
+    for (int y = 0; y < n[1]; ++y)
+      for (int x = 0; x < n[0]; ++x) {
+        const std::size_t i = index(x, y, z);
+        if (!(values[i] < 0) || part[i] == number) continue;
+        own[i] = static_cast<float>(at.spacing);
+        for (int c = std::max(z - 1, 0); c <= std::min(z + 1, n[2] - 1); ++c)
+          for (int b = std::max(y - 1, 0); b <= std::min(y + 1, n[1] - 1); ++b)
+            for (int a = std::max(x - 1, 0); a <= std::min(x + 1, n[0] - 1); ++a) near[index(a, b, c)] = 1;
+      }
+  const std::vector<float> measured = surface_distances(at, own);
+  const auto cut_off = static_cast<float>(Real(1.2) * at.spacing);  // of a corner, by the cells' chamfer
+  for (std::size_t i = 0; i < own.size(); ++i)
+    if (own[i] >= 0 && (near[i] || std::abs(measured[i] - own[i]) > cut_off)) own[i] = measured[i];
+  return own;
+}
+
+}  // namespace
+
+// Corners inside that are neighbours along an axis hang together. A part's own field has the others' corners outside.
+std::vector<ShapePtr> parts_of_sdf(const ShapePtr& field) {
+  constexpr std::size_t kDust = 8;  // corners
+  if (!is_sdf(*field)) throw SceneError(std::string("sdf_parts: expected a field, got a ") + field->kind());
+  const DistanceField& of = static_cast<const Sdf&>(*field).field();
+  const FieldLayout& at = of.layout();
+  std::vector<float> values = of.values();
+  if (of.is_adaptive()) {
+    if (at.corners() > kMostSdfCorners) return {field};
+    values.reserve(at.corners());
+    for (int z = 0; z < at.n[2]; ++z)
+      for (int y = 0; y < at.n[1]; ++y)
+        for (int x = 0; x < at.n[0]; ++x) values.push_back(static_cast<float>(of.at(at.corner(x, y, z))));
+  }
+  const std::size_t stride[3] = {1, std::size_t(at.n[0]), std::size_t(at.n[0]) * std::size_t(at.n[1])};
+  std::vector<std::uint32_t> part(values.size(), 0), open;
+  struct Found {
+    std::uint32_t number;
+    std::size_t corners;
+  };
+  std::vector<Found> found;
+  for (std::size_t start = 0; start < values.size(); ++start) {
+    if (!(values[start] < 0) || part[start] > 0) continue;
+    const auto number = static_cast<std::uint32_t>(found.size() + 1);
+    found.push_back({number, 0});
+    part[start] = number, open.assign(1, static_cast<std::uint32_t>(start));
+    while (!open.empty()) {
+      const std::size_t i = open.back();
+      open.pop_back();
+      ++found.back().corners;
+      const std::size_t corner[3] = {i % stride[1], i / stride[1] % std::size_t(at.n[1]), i / stride[2]};
+      for (int k = 0; k < 3; ++k)
+        for (const bool up : {false, true}) {
+          if (up ? corner[k] + 1 >= std::size_t(at.n[k]) : corner[k] == 0) continue;
+          const std::size_t j = up ? i + stride[k] : i - stride[k];
+          if (!(values[j] < 0) || part[j] > 0) continue;
+          part[j] = number, open.push_back(static_cast<std::uint32_t>(j));
+        }
+    }
+  }
+  std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.corners > b.corners; });
+  while (found.size() > 1 && found.back().corners < kDust) found.pop_back();
+  const bool dust = std::any_of(part.begin(), part.end(), [&](std::uint32_t p) { return p > found.size(); });
+  if (found.size() < 2 && !dust) return {field};
+  std::vector<ShapePtr> out;
+  for (const Found& f : found) {
+    DistanceField dense(at, alone(at, values, part, f.number));
+    if (!of.is_adaptive()) {
+      out.push_back(std::make_shared<Sdf>(std::move(dense), Real(-1), std::vector<std::string>{}));
+      continue;
+    }
+    const auto ask = [](const void* from, const Vec3& p) { return static_cast<const DistanceField*>(from)->at(p); };
+    out.push_back(std::make_shared<Sdf>(DistanceField::adaptive(at, Real(1.05) * at.spacing, 0, ask, &dense), Real(-1),
+                                        std::vector<std::string>{}));
+  }
+  return out;
 }
 
 }  // namespace feder

@@ -29,6 +29,8 @@ ShapePtr sdf_intersect(const Shape& a, const Shape& b, const Pose& place_b) {
 }
 ShapePtr sdf_offset(const Shape& a, Real distance) { return makers().offset(a, distance); }
 
+std::vector<ShapePtr> sdf_parts(const ShapePtr& field) { return makers().parts(field); }
+
 std::optional<SdfReport> sdf_report(const Shape& shape) {
   const SdfMakers* of = makers_of(shape);
   if (!of) return std::nullopt;

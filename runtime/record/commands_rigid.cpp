@@ -16,6 +16,8 @@ CommandRows record_rigid() {
           command_row<&Rigid::apply_angular_impulse>("rigid.apply_angular_impulse"),
           command_row<&Rigid::move_to>("rigid.move_to"),
           command_row<&Rigid::set_type>("rigid.set_type"),
+          command_row<&Rigid::carve>("rigid.carve"),
+          command_row<&Rigid::weld_on>("rigid.weld_on"),
           command_row<&Rigid::set_filter>("rigid.set_filter"),
           command_row<&Rigid::set_friction>("rigid.set_friction"),
           command_row<&Rigid::set_restitution>("rigid.set_restitution"),

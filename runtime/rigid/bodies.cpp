@@ -8,7 +8,6 @@ namespace feder {
 namespace {
 
 // kg: beyond, products of inverses leave the float range
-constexpr Real kMinMass = Real(1e-9), kMaxMass = Real(1e14);
 
 std::string text(double x) {
   char buffer[32];

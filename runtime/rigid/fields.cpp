@@ -16,6 +16,13 @@ constexpr std::uint64_t kLoadSteps = 8;
 }  // namespace
 
 void Rigid::Impl::say_of_fields(StepContext& c) {
+  for (const Carved& n : carved_off) {
+    Event e;
+    e.kind = kCarved;
+    e.a = n.body, e.b = n.piece;
+    events.add(e);
+  }
+  carved_off.clear();
   for (const ObjectId object : unsaid) {
     if (!objects.alive(object)) continue;
     for (std::uint32_t k = bodies.first_collider[objects.index(object)]; k != kNone; k = colliders.next_of_body[k])

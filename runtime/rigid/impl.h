@@ -28,6 +28,8 @@ static_assert(motion_of(BodyType::kinematic) == ColliderMotion::kinematic);
 static_assert(motion_of(BodyType::dynamic) == ColliderMotion::dynamic);
 
 // A joint as the system keeps it; the part that the solver needs is SolverJoint.
+inline constexpr Real kMinMass = Real(1e-9), kMaxMass = Real(1e14);  // kg
+
 struct JointRecord {
   ObjectId object, a, b;
   std::uint32_t body_a = kNone, body_b = kNone;  // kNone = world
@@ -190,6 +192,11 @@ struct Rigid::Impl {
   void measure_motion(StepContext& c);
   void check_far(StepContext& c);
   void say_of_fields(StepContext& c);  // fields.cpp
+  // carve.cpp
+  std::uint32_t only_collider(std::uint32_t i, const char* verb) const;
+  BodySolid solid_like(std::uint32_t i, const ShapePtr& shape, const Pose& place, Real density) const;
+  BodyDesc description_of(std::uint32_t i, std::uint32_t k) const;
+  void carve(std::uint32_t i, const ShapePtr& tool, const Pose& place, bool weld);
   struct Pile {
     std::uint32_t upper, lower;
     Real gravity;         // along the contact, m/s^2
@@ -377,6 +384,11 @@ struct Rigid::Impl {
   IslandEnergy* island_energies = nullptr;  // by number
   std::uint32_t island_count = 0;
   std::uint64_t now = 0;    // next step
+  // Bodies that were carved since the last step, and what came off: events to come.
+  struct Carved {
+    ObjectId body, piece;
+  };
+  std::vector<Carved> carved_off = {};
   std::vector<ObjectId> unsaid = {};  // bodies whose fields have warnings
   bool any_field = false;  // was made in this world
   bool swing_warned = false;

@@ -27,7 +27,7 @@ Rigid::Impl::Impl(SystemSetup& s)
 const SystemDescriptor& Rigid::descriptor() {
   static const char* const needs[] = {ContactService::kSystem};
   static constexpr ObjectKind kinds[] = {kBodyKind, kJointKind};
-  static constexpr EventKind events[] = {kJointBreak};
+  static constexpr EventKind events[] = {kJointBreak, kCarved};
   static const SystemDescriptor d = {.name = kName,
                                      .units = "bodies",
                                      .unit = "body",

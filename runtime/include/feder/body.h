@@ -2,6 +2,7 @@
 #pragma once
 #include <string>
 
+#include "feder/events.h"
 #include "feder/object.h"
 #include "feder/shape.h"
 #include "feder/types.h"
@@ -9,6 +10,8 @@
 namespace feder {
 
 inline constexpr ObjectKind kBodyKind{"body", "bodies"};
+// A body was carved or welded; b: what came off as a body of its own, one event each.
+inline constexpr EventKind kCarved{"carved", EventKind::kOther};
 
 enum class BodyType : std::uint8_t { free, fixed, kinematic, dynamic };  // fixed = "static" in Lua
 

@@ -55,6 +55,9 @@ ShapePtr sdf_union(const Shape& a, const Shape& b, const Pose& place_b = {});
 ShapePtr sdf_subtract(const Shape& a, const Shape& b, const Pose& place_b = {});
 ShapePtr sdf_intersect(const Shape& a, const Shape& b, const Pose& place_b = {});
 ShapePtr sdf_offset(const Shape& a, Real distance);  // m, outwards; below 0: inwards
+// The parts of a field that do not hang together, the largest first; what has fewer than 8 corners of the grid inside
+// is dust and left out. One: the field itself.
+std::vector<ShapePtr> sdf_parts(const ShapePtr& field);
 
 // Of a field; nothing for other shapes.
 std::optional<SdfReport> sdf_report(const Shape& shape);
@@ -72,6 +75,7 @@ struct SdfMakers {
   ShapePtr (*make)(const SdfDesc&);
   ShapePtr (*combine)(SdfOperation, const Shape& a, const Shape& b, const Pose& place_b);
   ShapePtr (*offset)(const Shape&, Real distance);
+  std::vector<ShapePtr> (*parts)(const ShapePtr&);
   SdfReport (*report)(const Shape&);
   SdfSurface (*surface)(const Shape&);
 };

@@ -1,0 +1,116 @@
+// Distance fields from scripts: mistakes by message, what a field weighs, how bodies are carved, welded and come apart,
+// and that snapshots, recordings' commands and threads give the same.
+#include "support/script.h"
+
+using namespace feder::test;
+
+namespace {
+
+const char* const kWorld =
+    "local feder = require 'feder'; local world = feder.world{}; "
+    "local function ball(r) return function(x, y, z) return math.sqrt(x * x + y * y + z * z) - r end end; ";
+
+}  // namespace
+
+TEST_CASE("fields: mistakes say file, line, expected and given", "[lua][options]") {
+  const char* const mistakes[][2] = {
+      {"feder.sdf{}", "test.lua:1: feder.sdf: expected one of mesh, shape, fn and buffer, got 0"},
+      {"feder.sdf(1)", "test.lua:1: feder.sdf: expected a table"},
+      {"feder.sdf{ fn = 1, size = 1 }", "test.lua:1: feder.sdf.fn: expected a function of x, y, z"},
+      {"feder.sdf{ fn = ball(1) }", "test.lua:1: feder.sdf.size: expected the sides of the box"},
+      {"feder.sdf{ fn = ball(1), size = 3, spaceing = 1 }",
+       "test.lua:1: feder.sdf: unknown option 'spaceing'; did you mean 'spacing'?"},
+      {"feder.sdf{ fn = ball(1), size = 3, spacing = -1 }", "test.lua:1: feder.sdf.spacing: expected a number above 0"},
+      {"feder.sdf{ fn = ball(1), size = 3, spacing = 4 }",
+       "test.lua:1: feder.sdf.spacing: expected less than the thinnest side (3 m), got 4"},
+      {"feder.sdf{ fn = ball(1), size = 3, spacing = 0.002 }",
+       "test.lua:1: feder.sdf: expected at most 1e+08 cells, got "},
+      {"feder.sdf{ fn = ball(1), size = 1, spacing = 0.1 }", "the solid reaches the rim of its box"},
+      {"feder.sdf{ fn = function() return 0 / 0 end, size = 1, spacing = 0.1 }", "fn: expected a finite number at ("},
+      {"feder.sdf{ fn = function() return 'far' end, size = 1, spacing = 0.1 }", "fn: expected a number, got 'far'"},
+      {"feder.sdf{ fn = function() error('mine') end, size = 1, spacing = 0.1 }", "mine"},
+      {"feder.sdf{ fn = function() while true do end end, size = 1, spacing = 0.2 }",
+       "more than 2000 instructions for each corner"},
+      {"feder.sdf{ buffer = feder.buffer(8), size = 1, spacing = 0.5 }",
+       "test.lua:1: feder.sdf.buffer: expected 3 x 3 x 3 = 27 numbers"},
+      {"feder.sdf{ shape = feder.plane() }", "test.lua:1: feder.sdf.shape: a plane has no inside"},
+      {"feder.sdf{ shape = feder.box(1, 1, 1), acquire = 'voxels' }", "test.lua:1: feder.sdf.acquire: "},
+      {"feder.sdf{ mesh = { {{0,0,0},{1,0,0},{0,1,0}}, {} } }",
+       "test.lua:1: feder.sdf.mesh: expected triangles, got none"},
+      {"feder.sdf{ mesh = { {{0,0,0},{1,0,0},{0,1,0}}, {{1,2,3}} } }", "a flat mesh has no inside"},
+      {"feder.sdf_union(feder.box(1,1,1), feder.box(1,1,1))", "expected at least one field, got a box and a box"},
+      {"feder.sdf_offset(feder.box(1,1,1), 0.1)", "expected a field, got a box"},
+      {"local b = world:body{ shape = feder.box(1,1,1) }; b:carve{ shape = feder.box(3,3,3) }",
+       "test.lua:1: body:carve: nothing is inside"},
+      {"local b = world:body{ shape = feder.box(1,1,1) }; b:carve{ position = {1,1,1} }",
+       "test.lua:1: body:carve.shape: expected a shape"},
+  };
+  for (const auto& [text, message] : mistakes) {
+    CAPTURE(text, message);
+    const Ran ran = run(text, {}, kWorld);
+    CAPTURE(ran.error);
+    CHECK(ran.error.find(message) != std::string::npos);
+    CHECK(ran.error.find("test.lua:1: ") == 0);
+  }
+}
+
+TEST_CASE("what is carved is lost, what is welded on is gained, what comes off is a body", "[lua]") {
+  const std::string block =
+      "local b = world:body{ name = 'block', shape = feder.sdf{ shape = feder.box(2, 1, 1), spacing = 0.05 }, "
+      "density = 1000, position = {0, 5, 0}, velocity = {1, 0, 0}, angular_velocity = {0, 1, 0} } "
+      "world:on('carved', function(e) print('carved', e.other and e.other:mass() or 0) end) "
+      "local function weigh() local m = 0 for _, x in ipairs(world:bodies()) do m = m + x:mass() end return m end ";
+  const auto printed = [&](const std::string& text) {
+    const Ran ran = run(block + text, {}, kWorld);
+    CHECK(ran.error == "");
+    return ran.output;
+  };
+  // a ball of radius .3 weighs 113.1 kg
+  CHECK(printed("local m = b:mass() b:carve{ shape = feder.sphere(0.3), position = {0.5, 5, 0} } "
+                "print(math.abs(m - b:mass() - 113.1) < 2, world:bodies()[2])") == "true\tnil\n");
+  CHECK(printed("local m = b:mass() b:weld_on{ shape = feder.sphere(0.3), position = {0, 5.5, 0} } "
+                "print(math.abs(b:mass() - m - 56.5) < 3)") == "true\n");
+  // in two, whose points go on as they went
+  const std::string cut = "b:carve{ shape = feder.box(0.2, 2, 2), position = {0.3, 5, 0} } ";
+  const std::string two = printed(cut + "print(#world:bodies(), math.abs(weigh() - 1800) < 10)");
+  CHECK(two == "2\ttrue\n");
+  CHECK(printed(cut + "local other = world:bodies()[2] local x, y, z = other:velocity_at(0.8, 5, 0) "
+                      "print(math.abs(x - 1) < 0.01, math.abs(z + 0.8) < 0.01)") == "true\ttrue\n");
+  // a sleeper is woken; a failed carve leaves all as it was
+  CHECK(printed("b:set_velocity(0,0,0) b:set_angular_velocity(0,0,0) b:sleep() local h = world:hash() "
+                "print(pcall(b.carve, b, { shape = feder.box(9, 9, 9), position = {0, 5, 0} }), world:hash() == h) "
+                "b:carve{ shape = feder.sphere(0.2), position = {0, 5.5, 0} } print(b:awake())")
+            .find("true\ntrue\n") != std::string::npos);
+  // snapshots hold the field
+  CHECK(printed("local s = world:snapshot() for _ = 1, 20 do world:step() end local h = world:hash() "
+                "b:carve{ shape = feder.sphere(0.3), position = {0.5, 5, 0} } for _ = 1, 5 do world:step() end "
+                "world:restore(s) for _ = 1, 20 do world:step() end print(world:hash() == h)")
+            .find("true\n") != std::string::npos);
+}
+
+TEST_CASE("a hundred balls carved out of a block take their mass with them", "[lua]") {
+  const Ran ran = run(
+      "local b = world:body{ type = 'static', shape = feder.sdf{ shape = feder.box(3, 2.4, 3), spacing = 0.06 } } "
+      "local c = world:body{ shape = feder.sdf{ shape = feder.box(3, 2.4, 3), spacing = 0.06 }, position = {0, 9, 0} } "
+      "local m, n = c:mass(), 0 "
+      "for x = 0, 4 do for y = 0, 3 do for z = 0, 4 do n = n + 1 "
+      "c:carve{ shape = feder.sphere(0.2), position = {-1.2 + 0.6 * x, 9 - 0.9 + 0.6 * y, -1.2 + 0.6 * z} } end end end "
+      "local lost = n * 4 / 3 * math.pi * 0.2^3 * 1000 "
+      "print(n, math.abs(m - lost - c:mass()) < 0.01 * c:mass(), math.abs(m - c:mass() - lost) < 0.05 * lost)",
+      {}, kWorld);
+  CHECK(ran.error == "");
+  CHECK(ran.output == "100\ttrue\ttrue\n");
+}
+
+TEST_CASE("a mesh with a mass becomes a field and rests on the floor", "[lua]") {
+  const Ran ran = run(
+      "local v = {{-1,-1,-1},{1,-1,-1},{1,1,-1},{-1,1,-1},{-1,-1,1},{1,-1,1},{1,1,1},{-1,1,1}} "
+      "local t = {{1,3,2},{1,4,3},{5,6,7},{5,7,8},{1,2,6},{1,6,5},{4,7,3},{4,8,7},{1,8,4},{1,5,8},{2,3,7},{2,7,6}} "
+      "world:body{ type = 'static', shape = feder.plane() } "
+      "local b = world:body{ shape = feder.mesh(v, t), density = 100, position = {0, 1.5, 0} } "
+      "for _ = 1, 240 do world:step() end local _, y = b:position() "
+      "print(math.abs(b:mass() - 800) < 8, math.abs(y - 1) < 0.01, b:awake())",
+      {}, kWorld);
+  CHECK(ran.error == "");
+  CHECK(ran.output == "true\ttrue\tfalse\n");
+}
