@@ -133,10 +133,12 @@ void read_tool(Options& o, const OptionRow&, Tool& t) {
 
 constexpr Option<Tool> kTool[] = {
     special("shape", "shape", read_tool),
-    special("position", "vector", +[](Options& o, const OptionRow& row, Tool& t) { o.vector(row.name, t.place.position); },
-            "m"),
-    special("rotation", "rotation",
-            +[](Options& o, const OptionRow& row, Tool& t) { o.rotation(row.name, t.place.rotation); }),
+    special(
+        "position", "vector", +[](Options& o, const OptionRow& row, Tool& t) { o.vector(row.name, t.place.position); },
+        "m"),
+    special(
+        "rotation", "rotation",
+        +[](Options& o, const OptionRow& row, Tool& t) { o.rotation(row.name, t.place.rotation); }),
 };
 
 // carve{ shape =, position = }, in world coordinates.
@@ -145,8 +147,7 @@ void body_edit(const Body& b, lua_State* L) {
   Tool t;
   Options(L, 2, function_name(L)).read(kTool, t);
   const Pose body = b.system.pose(b.id);
-  (b.system.*Edit)(b.id, t.shape,
-                   {to_local(body, t.place.position), conjugate(body.rotation) * t.place.rotation});
+  (b.system.*Edit)(b.id, t.shape, {to_local(body, t.place.position), conjugate(body.rotation) * t.place.rotation});
 }
 
 struct Filter {

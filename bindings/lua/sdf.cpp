@@ -31,7 +31,8 @@ void take_mesh(SdfReading& r, const Shape& mesh) {
   r.vertices = std::move(of.points), r.triangles = std::move(of.triangles);
 }
 
-bool is_mesh(const Shape& s) { return !std::strcmp(s.kind(), "mesh"); }
+// One that has triangles and no inside.
+bool is_mesh(const Shape& s) { return !(s.mass(1).mass > 0) && !s.arguments().triangles.empty(); }
 
 void read_mesh(Options& o, const OptionRow& row, SdfReading& r) {
   if (!o.push_any(row.name)) return;
@@ -98,9 +99,7 @@ void read_adaptive(Options& o, const OptionRow& row, SdfReading& r) { o.flag(row
 void read_tolerance(Options& o, const OptionRow& row, SdfReading& r) {
   o.real(row.name, r.desc.tolerance, kNotNegative);
 }
-void read_acquire(Options& o, const OptionRow& row, SdfReading& r) {
-  o.choice(row.name, row.choices, r.desc.acquire);
-}
+void read_acquire(Options& o, const OptionRow& row, SdfReading& r) { o.choice(row.name, row.choices, r.desc.acquire); }
 
 constexpr Option<SdfReading> kSdf[] = {
     special("mesh", "{vertices, triangles} or mesh", read_mesh),
@@ -130,7 +129,7 @@ int make_from_function(lua_State* L) {
     lua_pushnumber(L, x), lua_pushnumber(L, y), lua_pushnumber(L, z);
     lua_call(L, 3, 1);
     if (lua_type(L, -1) != LUA_TNUMBER)
-      throw SceneError("fn: expected a number, got " + describe(L, -1) + " at (" + print_number(x) + ", " +
+      throw SceneError("sdf.fn: expected a number, got " + describe(L, -1) + " at (" + print_number(x) + ", " +
                        print_number(y) + ", " + print_number(z) + ")");
     const double d = lua_tonumber(L, -1);
     lua_pop(L, 1);
@@ -159,13 +158,13 @@ int push_from_function(lua_State* L, SdfReading& r) {
   if (failure.limit == Limit::instructions)
     failure.message = "fn: more than " + std::to_string(kInstructionsPerCorner) +
                       " instructions for each corner of the grid; ask less of it, or give a buffer";
-  fail_here(L, failure.message + (failure.where.empty() ? "" : " (" + failure.where + ")"));
+  const bool elsewhere = !failure.where.empty() && failure.where != location(L, 1);
+  relay(L, failure.message + (elsewhere ? " (" + failure.where + ")" : ""));
 }
 
 const Shape& check_solid(lua_State* L, int index) {
   const auto* shape = static_cast<const ShapePtr*>(test_class(L, index, Class::shape));
-  if (!shape)
-    fail_here(L, "expected a shape as argument " + std::to_string(index) + ", got " + describe(L, index));
+  if (!shape) fail_here(L, "expected a shape as argument " + std::to_string(index) + ", got " + describe(L, index));
   return **shape;
 }
 
@@ -174,10 +173,12 @@ Pose check_place(lua_State* L, int index) {
   if (lua_isnoneornil(L, index)) return place;
   Options o(L, index, function_name(L));
   static constexpr Option<Pose> kPlace[] = {
-      special("position", "vector", +[](Options& from, const OptionRow& row, Pose& p) { from.vector(row.name, p.position); },
-              "m"),
-      special("rotation", "rotation",
-              +[](Options& from, const OptionRow& row, Pose& p) { from.rotation(row.name, p.rotation); }),
+      special(
+          "position", "vector",
+          +[](Options& from, const OptionRow& row, Pose& p) { from.vector(row.name, p.position); }, "m"),
+      special(
+          "rotation", "rotation",
+          +[](Options& from, const OptionRow& row, Pose& p) { from.rotation(row.name, p.rotation); }),
   };
   o.read(kPlace, place);
   return place;
@@ -219,7 +220,8 @@ std::vector<OptionInfo> sdf_rows() { return describe_rows(kSdf); }
 std::span<const Method> sdf_functions() {
   static constexpr const char* kPlace = "b lies at { position =, rotation = } in the frame of a";
   static const Method all[] = {
-      {"sdf_union", guard<sdf_combine<sdf_union>>, "feder.sdf_union(a, b, [{ position =, rotation = }]) -> shape", kPlace},
+      {"sdf_union", guard<sdf_combine<sdf_union>>, "feder.sdf_union(a, b, [{ position =, rotation = }]) -> shape",
+       kPlace},
       {"sdf_subtract", guard<sdf_combine<sdf_subtract>>,
        "feder.sdf_subtract(a, b, [{ position =, rotation = }]) -> shape", "a without b"},
       {"sdf_intersect", guard<sdf_combine<sdf_intersect>>,

@@ -170,7 +170,8 @@ const ShapeKind& shape_kind_of(lua_State* L, int table, const std::string& name)
 // Is a list behind the shape's name its one argument, and not the list of them?
 bool takes_one_list(const ShapeKind& kind) {
   const auto needed = [](const ShapeArgument& a) { return std::isnan(a.fallback); };
-  return !kind.arguments.empty() && kind.arguments[0].type >= ShapeArgumentType::points && std::ranges::count_if(kind.arguments, needed) == 1;
+  return !kind.arguments.empty() && kind.arguments[0].type >= ShapeArgumentType::points &&
+         std::ranges::count_if(kind.arguments, needed) == 1;
 }
 
 // Pushes the first n values of the list on the stack in its place.

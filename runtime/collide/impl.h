@@ -27,11 +27,11 @@ int find_field_kind();
 //  - recycling: while the relative motion since the manifold was made stays below an eighth of the margin, no feature
 //  from
 //    outside the margin can have come near the surface.
-inline constexpr Real kSpeculative = Real(0.02);       // m
-inline constexpr Real kSpeculativeShare = Real(0.1);   // of the smaller shape's extent
-inline constexpr Real kContactBegin = Real(1) / 40;    // of the margin
-inline constexpr Real kContactEnd = Real(1) / 10;      // of the margin
-inline constexpr Real kRecycleDistance = Real(1) / 8;  // of the margin
+inline constexpr Real kSpeculative = Real(0.02);        // m
+inline constexpr Real kSpeculativeShare = Real(0.1);    // of the smaller shape's extent
+inline constexpr Real kContactBegin = Real(1) / 40;     // of the margin
+inline constexpr Real kContactEnd = Real(1) / 10;       // of the margin
+inline constexpr Real kRecycleDistance = Real(1) / 8;   // of the margin
 inline constexpr Real kRecycleOnField = Real(1) / 100;  // of the margin: its normals change along the surface
 // Recycled arms keep their directions in the world, so a pair that rotates together must be tested again: 0.01 rad
 // shifts the load of a point by a hundredth. The normal is rotated along from a smaller angle on: it decides what
@@ -199,8 +199,8 @@ struct Collide::Impl {
   bool may_pass(std::uint32_t a, std::uint32_t b, Real dt) const;
   Sweep sweep_of(std::uint32_t i, Real dt) const;
   template <class F>
-  int collide_at(Real time, const Sweep& a, const Sweep& b, Real margin, PairCache& cache, Manifold* found,
-                 Vec3& ahead, F&& nearer);
+  int collide_at(Real time, const Sweep& a, const Sweep& b, Real margin, PairCache& cache, Manifold* found, Vec3& ahead,
+                 F&& nearer);
   int look_ahead(std::uint32_t a, std::uint32_t b, Real margin, Real dt, Manifold* found, Vec3& ahead);
   int collide_midway(std::uint32_t a, std::uint32_t b, Real margin, Real dt, PairCache& cache, Manifold* found,
                      Vec3& ahead);

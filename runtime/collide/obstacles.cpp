@@ -32,7 +32,8 @@ bool Collide::Impl::may_pass(std::uint32_t a, std::uint32_t b, Real dt) const {
 
 int find_field_kind() {
   const auto kinds = shape_kinds();
-  const auto it = std::find_if(kinds.begin(), kinds.end(), [](const ShapeKind& kind) { return kind.fields != nullptr; });
+  const auto it =
+      std::find_if(kinds.begin(), kinds.end(), [](const ShapeKind& kind) { return kind.fields != nullptr; });
   return it == kinds.end() ? -1 : static_cast<int>(it - kinds.begin());
 }
 
@@ -44,8 +45,8 @@ Sweep Collide::Impl::sweep_of(std::uint32_t i, Real dt) const {
           seen[i].extent, seen[i].half_width};
 }
 
-// The manifolds at that fraction of the step. `ahead`: how far b's centre comes nearer until then; `nearer`(n, k): by how
-// much the point k of the manifold n does, along the normal.
+// The manifolds at that fraction of the step. `ahead`: how far b's centre comes nearer until then; `nearer`(n, k): by
+// how much the point k of the manifold n does, along the normal.
 template <class F>
 int Collide::Impl::collide_at(Real time, const Sweep& a, const Sweep& b, Real margin, PairCache& cache, Manifold* found,
                               Vec3& ahead, F&& nearer) {

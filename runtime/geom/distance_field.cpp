@@ -9,7 +9,7 @@
 namespace feder {
 namespace {
 
-constexpr int kMaxRoots = 8;   // along an axis, while levels are few
+constexpr int kMaxRoots = 8;  // along an axis, while levels are few
 constexpr int kMaxLevels = 5;
 constexpr int kOutsideSteps = 3;
 constexpr std::uint64_t kMostCorners = std::uint64_t(1) << 30;
@@ -90,14 +90,12 @@ struct DistanceField::Builder {
     Real sum = 0;
     for (int corner = 0; corner < 8; ++corner) {
       const int u = corner & 1, v = corner >> 1 & 1, w = corner >> 2;
-      sum += c[u + kCorners * (v + kCorners * w)] * (u ? t[0] : 1 - t[0]) * (v ? t[1] : 1 - t[1]) *
-             (w ? t[2] : 1 - t[2]);
+      sum +=
+          c[u + kCorners * (v + kCorners * w)] * (u ? t[0] : 1 - t[0]) * (v ? t[1] : 1 - t[1]) * (w ? t[2] : 1 - t[2]);
     }
     return sum;
   }
-  bool close(Real got, Real exact) const {
-    return std::abs(got - exact) <= std::max(tolerance, std::abs(exact) / 8);
-  }
+  bool close(Real got, Real exact) const { return std::abs(got - exact) <= std::max(tolerance, std::abs(exact) / 8); }
   // Do the brick's cells from `first`, `count` along each axis, hold what is in their middles?
   bool holds(const Brick& b, const int (&first)[3], int count) const {
     for (int z = first[2]; z < first[2] + count; ++z)
@@ -115,8 +113,7 @@ struct DistanceField::Builder {
     b.number = static_cast<std::uint32_t>(field.scale_.size());
     field.scale_.push_back(static_cast<float>(scale));
     field.level_.push_back(static_cast<std::uint8_t>(b.level));
-    for (const Real x : b.v)
-      field.bricks_.push_back(static_cast<std::int16_t>(scale > 0 ? std::lround(x / scale) : 0));
+    for (const Real x : b.v) field.bricks_.push_back(static_cast<std::int16_t>(scale > 0 ? std::lround(x / scale) : 0));
     return b.number;
   }
 
@@ -143,10 +140,10 @@ struct DistanceField::Builder {
       for (int z = 0, i = 0; z < kCorners && enough; ++z)
         for (int y = 0; y < kCorners; ++y)
           for (int x = 0; x < kCorners; ++x, ++i)
-            enough = enough && std::abs(own.v[i]) > band &&
-                     close(between(*parent, kCells * (at[0] & 1) + x, kCells * (at[1] & 1) + y,
-                                   kCells * (at[2] & 1) + z),
-                           own.v[i]);
+            enough =
+                enough && std::abs(own.v[i]) > band &&
+                close(between(*parent, kCells * (at[0] & 1) + x, kCells * (at[1] & 1) + y, kCells * (at[2] & 1) + z),
+                      own.v[i]);
       if (enough) {
         field.nodes_[node] = kLeaf | keep(*parent);
         return;
@@ -171,8 +168,8 @@ struct DistanceField::Builder {
     for (int z = 0; z < kCells; ++z)
       for (int y = 0; y < kCells; ++y)
         for (int x = 0; x < kCells; ++x)
-          if (std::abs(middle_of(b, x, y, z) -
-                       ask(b, Real(x) + Real(0.5), Real(y) + Real(0.5), Real(z) + Real(0.5))) > tolerance)
+          if (std::abs(middle_of(b, x, y, z) - ask(b, Real(x) + Real(0.5), Real(y) + Real(0.5), Real(z) + Real(0.5))) >
+              tolerance)
             return false;
     return true;
   }
@@ -207,8 +204,8 @@ void DistanceField::brick_cell(const Vec3& u, Cell& cell) const {
   int b[3];  // finest brick
   for (int k = 0; k < 3; ++k) b[k] = std::min(static_cast<int>(u[k]), layout_.n[k] - 2) / kCells;
   int level = levels_;
-  std::uint32_t node = nodes_[static_cast<std::size_t>(
-      (b[0] >> level) + roots_[0] * ((b[1] >> level) + roots_[1] * (b[2] >> level)))];
+  std::uint32_t node =
+      nodes_[static_cast<std::size_t>((b[0] >> level) + roots_[0] * ((b[1] >> level) + roots_[1] * (b[2] >> level)))];
   while (!(node & kLeaf)) {
     --level;
     node = nodes_[node + static_cast<std::uint32_t>((b[0] >> level & 1) | (b[1] >> level & 1) << 1 |
@@ -256,8 +253,8 @@ Real DistanceField::inside(const Vec3& p, Vec3* slope) const {
     const Real e0 = c.v[1] - c.v[0], e1 = c.v[3] - c.v[2], e2 = c.v[5] - c.v[4], e3 = c.v[7] - c.v[6];
     const Real f0 = e0 + y * (e1 - e0), f1 = e2 + y * (e3 - e2);
     const Real inverse = 1 / c.size;
-    *slope = Vec3(inverse * (f0 + z * (f1 - f0)), inverse * ((a1 - a0) + z * ((a3 - a2) - (a1 - a0))),
-                  inverse * (b1 - b0));
+    *slope =
+        Vec3(inverse * (f0 + z * (f1 - f0)), inverse * ((a1 - a0) + z * ((a3 - a2) - (a1 - a0))), inverse * (b1 - b0));
   }
   return b0 + z * (b1 - b0);
 }
@@ -344,8 +341,7 @@ std::string DistanceField::content() const {
   const double head[4] = {layout_.origin[0], layout_.origin[1], layout_.origin[2], layout_.spacing};
   const std::int32_t whole[7] = {layout_.n[0], layout_.n[1], layout_.n[2], levels_, roots_[0], roots_[1], roots_[2]};
   put(out, head, 4), put(out, whole, 7);
-  put_list(out, values_), put_list(out, nodes_), put_list(out, scale_), put_list(out, level_),
-      put_list(out, bricks_);
+  put_list(out, values_), put_list(out, nodes_), put_list(out, scale_), put_list(out, level_), put_list(out, bricks_);
   return out;
 }
 

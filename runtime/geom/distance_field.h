@@ -53,9 +53,9 @@ class DistanceField {
   static constexpr int kCells = 4, kCorners = kCells + 1, kBrick = kCorners * kCorners * kCorners;
   static constexpr std::uint32_t kLeaf = 0x80000000u;
   struct Cell {
-    Real v[8];    // x fastest
-    Real at[3];   // 0..1
-    Real size;    // m
+    Real v[8];   // x fastest
+    Real at[3];  // 0..1
+    Real size;   // m
   };
   void cell_of(const Vec3& u, Cell& cell) const;  // u: in cells of the finest spacing, within the box
   void brick_cell(const Vec3& u, Cell& cell) const;
@@ -68,7 +68,7 @@ class DistanceField {
   Real inverse_ = 1;  // of the spacing, 1/m
   std::vector<float> values_;
   // adaptive
-  int levels_ = -1;     // between a root and the finest bricks
+  int levels_ = -1;  // between a root and the finest bricks
   int roots_[3] = {0, 0, 0};
   std::vector<std::uint32_t> nodes_;  // roots first, x fastest; kLeaf | brick, or the first of eight children
   std::vector<float> scale_;          // by brick, m

@@ -13,9 +13,7 @@ Hull::Hull(HullData data, std::span<const Vec3> points)
       normal_lanes_(grouped(data_.faces.size(), [&](std::size_t i) -> const Vec3& { return data_.faces[i].normal; })),
       kernel_(point_kernel()), points_(points.begin(), points.end()) {}
 
-Aabb Hull::bounds(const Pose& pose) const {
-  return bounds_of(corner_lanes_, pose);
-}
+Aabb Hull::bounds(const Pose& pose) const { return bounds_of(corner_lanes_, pose); }
 
 // Second moments over tetrahedra from an inner point to the triangles of the faces (Tonon 2004), as the covariance C
 // about the centre of mass: I = tr(C) 1 - C.

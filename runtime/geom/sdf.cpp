@@ -21,7 +21,8 @@ namespace {
 constexpr int kHullDirections = 512;
 constexpr Real kHullSlack = Real(0.005);  // of the extent: what 512 directions leave out of a ball
 constexpr int kMaxBalls = 12, kBallSeeds = 256;
-constexpr int kParts = 3;        // of a cell, along each axis, for the volume
+constexpr Real kBlunt = 4;  // cells that a sample may lie farther in than one on an edge
+constexpr int kParts = 3;   // of a cell, along each axis, for the volume
 constexpr int kMaxRaySteps = 512;
 constexpr Real kShort = Real(0.4);  // a slope that says no direction
 
@@ -46,13 +47,13 @@ Sdf::Sdf(DistanceField field, Real error, std::vector<std::string> warnings)
   IsoMesh mesh;
   surface(mesh);
   if (mesh.triangles.empty())
-    throw SceneError("nothing is inside; walls thinner than the spacing (" + number(field_.layout().spacing) +
+    throw SceneError("sdf: nothing is inside; walls thinner than the spacing (" + number(field_.layout().spacing) +
                      " m) are lost, a function is negative inside");
   for (const Vec3& v : mesh.vertices) box_.include(v);
   take_samples(mesh);
   take_hull(mesh);
   integrate();
-  if (!(unit_.mass > 0)) throw SceneError("its volume is not above 0; a field is negative inside");
+  if (!(unit_.mass > 0)) throw SceneError("sdf: its volume is not above 0; a field is negative inside");
   take_balls();
 }
 
@@ -87,26 +88,28 @@ void Sdf::take_samples(const IsoMesh& mesh) {
   }
   struct Found {
     std::array<std::int32_t, 4> cube;
-    Real off;
+    Real near;  // less: farther out, so that the corners of a foot stay, but on a face
     std::uint32_t vertex;
     auto operator<=>(const Found&) const = default;
   };
   std::vector<Found> found;
   std::vector<Vec3> normals;
-  normals.reserve(mesh.vertices.size());
+  std::vector<Real> blunt;  // by how much the slope is short: at edges
+  normals.reserve(mesh.vertices.size()), blunt.reserve(mesh.vertices.size());
   for (const Vec3& v : mesh.vertices) {
     Vec3 slope;
     field_.smooth_at(v, slope);
     normals.push_back(normalized_or(slope, Vec3(0, 1, 0)));
+    blunt.push_back(std::max(1 - length(slope), Real(0)));
   }
   sample_spacing_ = std::max(field_.layout().spacing, Real(std::sqrt(1.5 * area / double(kMostSamples))));
   for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {
     Found f{{}, 0, i};
     for (int k = 0; k < 3; ++k) {
-      const Real u = (mesh.vertices[i][k] - box_.lo[k]) / sample_spacing_, whole = std::floor(u);
-      f.cube[std::size_t(k)] = static_cast<std::int32_t>(whole);
-      f.off = std::max(f.off, std::abs(u - whole - Real(0.5)));
+      const Real u = (mesh.vertices[i][k] - box_.lo[k]) / sample_spacing_;
+      f.cube[std::size_t(k)] = static_cast<std::int32_t>(std::floor(u));
     }
+    f.near = kBlunt * field_.layout().spacing * blunt[i] - length(mesh.vertices[i] - (box_.lo + box_.hi) / 2);
     int axis = 0;
     for (int k = 1; k < 3; ++k)
       if (std::abs(normals[i][k]) > std::abs(normals[i][axis])) axis = k;
@@ -251,9 +254,7 @@ Aabb Sdf::bounds(const Pose& pose) const {
   return box;
 }
 
-MassProperties Sdf::mass(Real density) const {
-  return {density * unit_.mass, unit_.center, density * unit_.inertia};
-}
+MassProperties Sdf::mass(Real density) const { return {density * unit_.mass, unit_.center, density * unit_.inertia}; }
 
 Real Sdf::extent(const Vec3& center) const {
   Real far = 0;
@@ -362,20 +363,21 @@ std::string Sdf::describe() const {
   return text;
 }
 
-bool is_sdf(const Shape& shape) {
-  return shape_kinds()[static_cast<std::size_t>(shape.kind_id())].fields != nullptr;
-}
+bool is_sdf(const Shape& shape) { return shape_kinds()[static_cast<std::size_t>(shape.kind_id())].fields != nullptr; }
 
 namespace {
 
-const SdfMakers kMakers = {build_sdf, combine_sdf, offset_sdf, parts_of_sdf,
-                           [](const Shape& s) { return static_cast<const Sdf&>(s).report(); },
-                           [](const Shape& s) {
-                             IsoMesh mesh;
-                             static_cast<const Sdf&>(s).surface(mesh);
-                             return SdfSurface{std::move(mesh.vertices), std::move(mesh.normals),
-                                               std::move(mesh.triangles)};
-                           }};
+const SdfMakers kMakers = {
+    build_sdf,
+    combine_sdf,
+    offset_sdf,
+    parts_of_sdf,
+    [](const Shape& s) { return static_cast<const Sdf&>(s).report(); },
+    [](const Shape& s) {
+      IsoMesh mesh;
+      static_cast<const Sdf&>(s).surface(mesh);
+      return SdfSurface{std::move(mesh.vertices), std::move(mesh.normals), std::move(mesh.triangles)};
+    }};
 
 }  // namespace
 

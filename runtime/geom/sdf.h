@@ -16,7 +16,7 @@ namespace feder {
 
 class Sdf final : public Shape {
  public:
-  static constexpr std::size_t kMostSamples = 6000;
+  static constexpr std::size_t kMostSamples = 800;
 
   // SceneError when the field has no inside.
   Sdf(DistanceField field, Real error, std::vector<std::string> warnings);

@@ -1,9 +1,10 @@
 // rasterise: triangles are drawn into the corners a cell around, then the nearest triangle's number is handed on in
 // eight sweeps (Bridson 2015, 4.1). exact: then, within three cells of the surface,
-// whether another is nearer is sought in the hierarchy. Signs: neighbours that are farther from the surface together than from each other lie on
-// one side, so one winding number serves a whole region; rays: parity of crossings along three axes, two votes of
-// three. Weak spots: swept distances far from the surface may be those of the second nearest triangle, a few per cent
-// too large; parity is wrong where a mesh is open or crosses itself, winding where more than half is missing.
+// whether another is nearer is sought in the hierarchy. Signs: neighbours that are farther from the surface together
+// than from each other lie on one side, so one winding number serves a whole region; rays: parity of crossings along
+// three axes, two votes of three. Weak spots: swept distances far from the surface may be those of the second nearest
+// triangle, a few per cent too large; parity is wrong where a mesh is open or crosses itself, winding where more than
+// half is missing.
 #include "geom/sdf_acquire.h"
 
 #include <algorithm>
@@ -158,8 +159,8 @@ void vote_along(const TriangleField& triangles, const FieldLayout& at, int axis,
           for (std::size_t k = 0; k < 3; ++k) {
             const double(&a)[2] = c[(k + 1) % 3];
             const double(&b)[2] = c[(k + 2) % 3];
-            const bool upwards = sign > 0 ? (a[0] != b[0] ? a[0] < b[0] : a[1] < b[1])
-                                          : (a[0] != b[0] ? a[0] > b[0] : a[1] > b[1]);
+            const bool upwards =
+                sign > 0 ? (a[0] != b[0] ? a[0] < b[0] : a[1] < b[1]) : (a[0] != b[0] ? a[0] > b[0] : a[1] > b[1]);
             if (!(sign * s[k] > 0 || (s[k] == 0 && upwards))) return false;
           }
           return true;
@@ -172,9 +173,8 @@ void vote_along(const TriangleField& triangles, const FieldLayout& at, int axis,
         crossings.push_back({std::uint64_t(j) * std::uint64_t(at.n[u]) + std::uint64_t(i), along});
       }
   }
-  std::sort(crossings.begin(), crossings.end(), [](const Crossing& a, const Crossing& b) {
-    return a.line != b.line ? a.line < b.line : a.at < b.at;
-  });
+  std::sort(crossings.begin(), crossings.end(),
+            [](const Crossing& a, const Crossing& b) { return a.line != b.line ? a.line < b.line : a.at < b.at; });
   for (std::size_t first = 0, end = 0; first < crossings.size(); first = end) {
     while (end < crossings.size() && crossings[end].line == crossings[first].line) ++end;
     int place[3];

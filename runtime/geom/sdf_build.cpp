@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 
 #include "base/rng.h"
 #include "feder/error.h"
@@ -12,14 +13,14 @@
 namespace feder {
 namespace {
 
-constexpr int kPadding = 3;            // cells around the surface
-constexpr Real kDefaultCells = 64;     // along the longest side
-constexpr Real kMostUneven = 10000;    // sides of a box
+constexpr int kPadding = 3;                    // cells around the surface
+constexpr Real kDefaultCells = 64;             // along the longest side
+constexpr Real kMostUneven = 10000;            // sides of a box
 constexpr std::uint64_t kAdaptiveFactor = 16;  // corners that an adaptive field may have more, where they were dense
 constexpr double kSlopeSlack = 0.05;
 constexpr int kProbes = 2000;
-constexpr Real kThin = Real(0.6);      // of a cell: no deeper a cell below the surface, and the wall is thin
-constexpr double kThinShare = 0.05;    // of the probes
+constexpr Real kThin = Real(0.6);           // of a cell: no deeper a cell below the surface, and the wall is thin
+constexpr double kThinShare = 0.05;         // of the probes
 constexpr Real kAdaptiveBand = Real(1.05);  // cells
 
 std::string text(double x) {
@@ -27,7 +28,14 @@ std::string text(double x) {
   std::snprintf(out, sizeof out, "%g", x);
   return out;
 }
-[[noreturn]] void fail_sdf(const std::string& message) { throw SceneError(message); }
+[[noreturn]] void fail_sdf(const std::string& message) {
+  for (const char* option : {"spacing", "size", "mesh", "fn", "buffer", "shape", "tolerance"}) {
+    const std::size_t length = std::strlen(option);
+    if (message.compare(0, length, option) == 0 && message.find_first_of(":[", length) == length)
+      throw SceneError("sdf." + message);
+  }
+  throw SceneError("sdf: " + message);
+}
 
 void check_box(const Aabb& box, Real spacing) {
   const Vec3 side = box.hi - box.lo;
@@ -158,8 +166,8 @@ ShapePtr from_triangles(const SdfDesc& d, const TriangleField& mesh) {
     fail_sdf("mesh: it is inside out (its volume is " + text(mesh.volume()) +
              " m3); name the corners of its triangles counterclockwise as seen from outside: swap two of each");
   if (!closed)
-    warnings.push_back("the mesh is open: " + std::to_string(mesh.open_edges()) + " edges have one triangle, holes of " +
-                       text(mesh.open_area()) + " m2 in " + text(mesh.area()) +
+    warnings.push_back("the mesh is open: " + std::to_string(mesh.open_edges()) +
+                       " edges have one triangle, holes of " + text(mesh.open_area()) + " m2 in " + text(mesh.area()) +
                        " m2; inside is where it goes round by more than half: close it");
   const FieldLayout at = layout_around(mesh.box(), spacing, kPadding, d.adaptive);
   Truth truth;
@@ -209,7 +217,8 @@ void check_rim(const FieldLayout& at, const std::vector<float>& v) {
     for (int y = 0; y < at.n[1]; ++y)
       for (int x = 0; x < at.n[0]; ++x) {
         const bool rim = x == 0 || y == 0 || z == 0 || x + 1 == at.n[0] || y + 1 == at.n[1] || z + 1 == at.n[2];
-        if (!rim || !(v[std::size_t(x) + std::size_t(at.n[0]) * (std::size_t(y) + std::size_t(at.n[1]) * std::size_t(z))] < 0))
+        if (!rim ||
+            !(v[std::size_t(x) + std::size_t(at.n[0]) * (std::size_t(y) + std::size_t(at.n[1]) * std::size_t(z))] < 0))
           continue;
         const Vec3 p = at.corner(x, y, z);
         fail_sdf("the solid reaches the rim of its box at (" + text(p[0]) + ", " + text(p[1]) + ", " + text(p[2]) +
@@ -373,8 +382,7 @@ ShapePtr build_sdf_at(const SdfDesc& d, const Vec3& middle) { return from_functi
 ShapePtr build_sdf(const SdfDesc& d) {
   const int sources = int(!d.triangles.empty() || !d.vertices.empty()) + int(d.shape != nullptr) +
                       int(d.function != nullptr) + int(!d.values.empty());
-  if (sources != 1)
-    fail_sdf("expected one of mesh, shape, fn and buffer, got " + std::to_string(sources));
+  if (sources != 1) fail_sdf("expected one of mesh, shape, fn and buffer, got " + std::to_string(sources));
   if (!(d.tolerance >= 0) || !is_finite(d.tolerance))
     fail_sdf("tolerance: expected a number not below 0, got " + text(d.tolerance));
   if (d.shape) return from_shape(d);

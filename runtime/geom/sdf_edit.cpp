@@ -19,11 +19,8 @@ const Sdf* as_field(const Shape& s) { return is_sdf(s) ? &static_cast<const Sdf&
 ShapePtr resampled(const Aabb& box, Real spacing, bool adaptive, const std::function<Real(const Vec3&)>& distance) {
   const Vec3 middle = (box.lo + box.hi) / 2;
   SdfDesc d;
-  d.function = [&](double x, double y, double z) {
-    return double(distance(middle + Vec3(Real(x), Real(y), Real(z))));
-  };
-  for (int k = 0; k < 3; ++k)
-    d.size[k] = spacing * (2 * kPad + std::ceil((box.hi[k] - box.lo[k]) / spacing));
+  d.function = [&](double x, double y, double z) { return double(distance(middle + Vec3(Real(x), Real(y), Real(z)))); };
+  for (int k = 0; k < 3; ++k) d.size[k] = spacing * (2 * kPad + std::ceil((box.hi[k] - box.lo[k]) / spacing));
   d.spacing = spacing, d.adaptive = adaptive;
   return build_sdf_at(d, middle);
 }
@@ -44,7 +41,8 @@ ShapePtr cut_from(const Sdf& a, const Shape& b, const Pose& place_b) {
     for (int y = lo[1]; y <= hi[1]; ++y)
       for (int x = lo[0]; x <= hi[0]; ++x) {
         Vec3 normal;
-        float& v = values[std::size_t(x) + std::size_t(at.n[0]) * (std::size_t(y) + std::size_t(at.n[1]) * std::size_t(z))];
+        float& v =
+            values[std::size_t(x) + std::size_t(at.n[0]) * (std::size_t(y) + std::size_t(at.n[1]) * std::size_t(z))];
         const Real d = b.distance(to_local(place_b, at.corner(x, y, z)), kInfinity, normal);
         v = std::max(v, static_cast<float>(-d));
       }
@@ -55,7 +53,8 @@ ShapePtr cut_from(const Sdf& a, const Shape& b, const Pose& place_b) {
 
 ShapePtr combine_sdf(SdfOperation operation, const Shape& a, const Shape& b, const Pose& place_b) {
   const Sdf *fa = as_field(a), *fb = as_field(b);
-  if (!fa && !fb) throw SceneError("expected at least one field, got a " + std::string(a.kind()) + " and a " + b.kind());
+  if (!fa && !fb)
+    throw SceneError("expected at least one field, got a " + std::string(a.kind()) + " and a " + b.kind());
   for (const Shape* s : {&a, &b})
     if (!(s->mass(1).mass > 0)) throw SceneError(std::string("a ") + s->kind() + " has no inside");
   if (operation == SdfOperation::subtract && fa && !fa->field().is_adaptive()) return cut_from(*fa, b, place_b);
@@ -100,8 +99,8 @@ ShapePtr offset_sdf(const Shape& a, Real distance) {
 namespace {
 
 // A part's values without the others: what was near these is measured anew from its own surface.
-std::vector<float> alone(const FieldLayout& at, const std::vector<float>& values, const std::vector<std::uint32_t>& part,
-                         std::uint32_t number) {
+std::vector<float> alone(const FieldLayout& at, const std::vector<float>& values,
+                         const std::vector<std::uint32_t>& part, std::uint32_t number) {
   std::vector<float> own = values;
   std::vector<std::uint8_t> near(values.size(), 0);  // to a corner of another
   const int n[3] = {at.n[0], at.n[1], at.n[2]};

@@ -170,7 +170,8 @@ void TriangleField::measure() {
   std::vector<std::pair<Place, Place>> edges, back;
   edges.reserve(corners_.size());
   for (std::size_t i = 0; i < corners_.size(); i += 3) {
-    const Double3 a = wide(corners_[i]) - middle, b = wide(corners_[i + 1]) - middle, c = wide(corners_[i + 2]) - middle;
+    const Double3 a = wide(corners_[i]) - middle, b = wide(corners_[i + 1]) - middle,
+                  c = wide(corners_[i + 2]) - middle;
     volume_ += dot(a, cross(b, c)) / 6;
     area_ += length(cross(b - a, c - a)) / 2;
     for (std::size_t k = 0; k < 3; ++k) edges.emplace_back(place(corners_[i + k]), place(corners_[i + (k + 1) % 3]));

@@ -28,17 +28,17 @@ class TriangleField {
   // Negative inside.
   Real signed_distance(const Vec3& p) const;
 
-  double volume() const { return volume_; }     // m3, below 0 when inside out
-  double area() const { return area_; }         // m2
-  double open_area() const { return open_; }    // m2, of what would close the holes
+  double volume() const { return volume_; }   // m3, below 0 when inside out
+  double area() const { return area_; }       // m2
+  double open_area() const { return open_; }  // m2, of what would close the holes
   std::size_t open_edges() const { return open_edges_; }
 
  private:
   struct Node {
     Aabb box;
-    Double3 middle;  // centre of the triangles' area
-    Double3 across;  // sum of the area vectors, m2
-    double reach;    // of the triangles from `middle`, m
+    Double3 middle;              // centre of the triangles' area
+    Double3 across;              // sum of the area vectors, m2
+    double reach;                // of the triangles from `middle`, m
     std::uint32_t first, count;  // leaf: triangles; else count = 0 and `first` is the first of two children
   };
   void build(std::vector<std::uint32_t>& order);

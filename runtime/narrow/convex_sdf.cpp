@@ -56,8 +56,7 @@ int convex_sdf(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& p
       const Vec3 p = to_world(place, corner[k]);
       Vec3 m;
       const Real e = field.field().smooth_at(p, m);
-      if (e - a.radius() <= margin)
-        contacts.add(of_core(p, e, a.radius(), normalized_or(m, n), feature_of(corner[k])));
+      if (e - a.radius() <= margin) contacts.add(of_core(p, e, a.radius(), normalized_or(m, n), feature_of(corner[k])));
     }
   }
   contacts.refine(other);

@@ -12,9 +12,9 @@
 namespace feder {
 namespace {
 
-constexpr Real kOneNormal = Real(0.985);     // cosine: one manifold
-constexpr Real kOpposed = Real(-0.3);        // cosine of the two normals of a contact, at least
-constexpr int kDescent = 10;                 // steps of a descent
+constexpr Real kOneNormal = Real(0.985);  // cosine: one manifold
+constexpr Real kOpposed = Real(-0.3);     // cosine of the two normals of a contact, at least
+constexpr int kDescent = 10;              // steps of a descent
 constexpr int kFrankWolfe = 12, kSearch = 5;
 
 bool one_normal(const Vec3& a, const Vec3& b) { return dot(a, b) > kOneNormal; }
@@ -71,36 +71,43 @@ void FieldContacts::add_samples(const OtherField& other) {
   });
 }
 
-// To those that stand, at most kKept.
+// To those that stand, at most kKept: the four that carry each normal, the deepest normals first.
 void FieldContacts::thin_out() {
   std::sort(candidates_, candidates_ + count_, deeper);
-  const Real near = Real(1.1) * field_.sample_spacing();
-  int kept = 0;
+  int group[kMost], first[kMost], groups = 0;
   for (int i = 0; i < count_; ++i) {
-    const FieldCandidate c = candidates_[i];
-    const bool stands = std::none_of(candidates_, candidates_ + kept, [&](const FieldCandidate& d) {
-      return !one_normal(c.normal, d.normal) && length(c.at - d.at) < near;
-    });
-    if (stands) candidates_[kept++] = c;
+    int g = 0;
+    while (g < groups && !one_normal(candidates_[first[g]].normal, candidates_[i].normal)) ++g;
+    if (g == groups) first[groups++] = i;
+    group[i] = g;
   }
-  count_ = kept;
+  if (groups > 1) {
+    const Real near = Real(1.1) * field_.sample_spacing();
+    int kept = 0;
+    for (int i = 0; i < count_; ++i) {
+      bool stands = true;
+      for (int k = 0; k < kept && stands; ++k)
+        stands = group[k] == group[i] || length(candidates_[i].at - candidates_[k].at) >= near;
+      if (!stands) continue;
+      group[kept] = group[i];
+      candidates_[kept++] = candidates_[i];
+    }
+    count_ = kept;
+  }
   if (count_ <= kKept) return;
-  // the four that carry each normal, the deepest normals first
   FieldCandidate out[kKept];
-  bool taken[kMost] = {};
   int found = 0;
-  for (int i = 0; i < count_ && found < kKept; ++i) {
-    if (taken[i]) continue;
+  for (int g = 0; g < groups && found < kKept; ++g) {
     ManifoldPoint points[kMost];
     int index[kMost], of = 0;
-    for (int k = i; k < count_; ++k) {
-      if (taken[k] || !one_normal(candidates_[i].normal, candidates_[k].normal)) continue;
-      taken[k] = true;
+    for (int k = 0; k < count_; ++k) {
+      if (group[k] != g) continue;
       points[of] = {candidates_[k].at, candidates_[k].separation, candidates_[k].feature};
       index[of++] = k;
     }
+    if (of == 0) continue;
     int chosen[kMaxManifoldPoints];
-    const int four = reduce_indices({points, static_cast<std::size_t>(of)}, candidates_[i].normal, chosen);
+    const int four = reduce_indices({points, static_cast<std::size_t>(of)}, candidates_[index[0]].normal, chosen);
     for (int k = 0; k < four && found < kKept; ++k) out[found++] = candidates_[index[chosen[k]]];
   }
   std::copy(out, out + found, candidates_);

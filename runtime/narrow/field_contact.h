@@ -1,5 +1,6 @@
-// Contacts of a distance field with whatever else has distances: candidates are collected, told apart by normal, thinned
-// out, led to where the two surfaces are nearest, and reduced. All in the frame of the field. Internal to narrow.
+// Contacts of a distance field with whatever else has distances: candidates are collected, told apart by normal,
+// thinned out, led to where the two surfaces are nearest, and reduced. All in the frame of the field. Internal to
+// narrow.
 #pragma once
 #include "geom/sdf.h"
 #include "narrow/gjk.h"

@@ -285,8 +285,9 @@ Impact time_of_impact(const Sweep& a, const Sweep& b, Real begin, Real end, Real
   else if (half_space)
     meet(p, Mover{b, Convex(nullptr, 0), 0}, [&b](const Mover& m) { return PlaneApart{m, b}; });
   else if (field)
-    meet(p, Mover{b, Convex(nullptr, 0), reach_of(b)},
-         [&](const Mover& m) { return FieldApart{m, b, *tools, p.center}; });
+    meet(p, Mover{b, Convex(nullptr, 0), reach_of(b)}, [&](const Mover& m) {
+      return FieldApart{m, b, *tools, p.center};
+    });
   else
     meet_mesh(p);
   return p.found ? p.hit : Impact{};

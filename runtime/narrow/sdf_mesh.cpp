@@ -10,8 +10,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kDeepest = 4;                // sample spacings behind a triangle
-constexpr Real kOverTriangle = Real(-1e-3); // barycentric
+constexpr Real kDeepest = 4;                 // sample spacings behind a triangle
+constexpr Real kOverTriangle = Real(-1e-3);  // barycentric
 constexpr Real kEdgeWeight = Real(1e-3);
 
 struct MeshField {
@@ -89,7 +89,8 @@ int sdf_mesh(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pos
   MeshField m{field, b, {to_local(pose_a, pose_b.position), conjugate(pose_a.rotation) * pose_b.rotation}, contacts};
   Aabb box = a.bounds({to_local(pose_b, pose_a.position), conjugate(pose_b.rotation) * pose_a.rotation});
   box.grow(margin);
-  b.triangles_in(box, [](void* to, std::uint32_t i) { meet_triangle(*static_cast<MeshField*>(to), i); }, &m);
+  b.triangles_in(
+      box, [](void* to, std::uint32_t i) { meet_triangle(*static_cast<MeshField*>(to), i); }, &m);
   return contacts.finish(pose_a, 1, out);
 }
 

@@ -1,5 +1,5 @@
-// Bodies that lose or gain material: their field with another solid cut out or welded on. Density, pose and the motion of
-// every point stay; what is cut off becomes bodies of their own. All that can fail comes first.
+// Bodies that lose or gain material: their field with another solid cut out or welded on. Density, pose and the motion
+// of every point stay; what is cut off becomes bodies of their own. All that can fail comes first.
 #include <cmath>
 
 #include "feder/sdf.h"
@@ -27,7 +27,8 @@ ShapePtr field_of(const ShapePtr& shape) {
 std::uint32_t Rigid::Impl::only_collider(std::uint32_t i, const char* verb) const {
   const std::uint32_t k = bodies.first_collider[i];
   if (k == kNone || colliders.next_of_body[k] != kNone)
-    throw SceneError(std::string(verb) + ": expected a body of one shape, got a compound; make it a field by feder.sdf");
+    throw SceneError(std::string(verb) +
+                     ": expected a body of one shape, got a compound; make it a field by feder.sdf");
   return k;
 }
 

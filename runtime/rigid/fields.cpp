@@ -53,11 +53,12 @@ void Rigid::Impl::say_of_fields(StepContext& c) {
     }
     swing_warned = true;
     char text[200];
-    std::snprintf(text, sizeof text,
-                  " swings under %.3g N faster than steps of %.3g s follow round a radius of %.3g m: a dt of %.2g s, or "
-                  "a smaller load, would hold it",
-                  static_cast<double>(force), static_cast<double>(c.dt), static_cast<double>(radius),
-                  static_cast<double>(c.dt * std::sqrt(4 / swings)));
+    std::snprintf(
+        text, sizeof text,
+        " swings under %.3g N faster than steps of %.3g s follow round a radius of %.3g m: a dt of %.2g s, or "
+        "a smaller load, would hold it",
+        static_cast<double>(force), static_cast<double>(c.dt), static_cast<double>(radius),
+        static_cast<double>(c.dt * std::sqrt(4 / swings)));
     events.warn("overload", objects.describe(bodies.object[light]) + text, bodies.object[light]);
     return;
   }

@@ -383,17 +383,17 @@ struct Rigid::Impl {
   std::uint32_t* island_numbers = nullptr;  // by root, or kNone
   IslandEnergy* island_energies = nullptr;  // by number
   std::uint32_t island_count = 0;
-  std::uint64_t now = 0;    // next step
+  std::uint64_t now = 0;  // next step
   // Bodies that were carved since the last step, and what came off: events to come.
   struct Carved {
     ObjectId body, piece;
   };
   std::vector<Carved> carved_off = {};
   std::vector<ObjectId> unsaid = {};  // bodies whose fields have warnings
-  bool any_field = false;  // was made in this world
+  bool any_field = false;             // was made in this world
   bool swing_warned = false;
   ObjectId swings_before = {};  // who swung too fast when that was last looked at
-  bool warned_far = false;  // warned of motion lost far from the origin
+  bool warned_far = false;      // warned of motion lost far from the origin
 };
 
 }  // namespace feder

@@ -45,8 +45,19 @@ local function shape()
     function() return feder.box(s, range(0.1, 0.7), range(0.1, 0.7)) end }
   return pick(make)()
 end
+-- Every fourth seed has fields, and bodies that are carved; no draw more: seeds keep their course.
+local function solid()
+  local made = shape()
+  local n = SEED % 4 == 2 and state % 16 or 16
+  if n == 1 and #o.body > 0 then o.body[#o.body]:carve { shape = made, position = { o.body[#o.body]:position() } } end
+  if n == 2 and #o.body > 0 then
+    local x, y, z = o.body[1]:position()
+    o.body[1]:weld_on { shape = made, position = { x, y + 0.2, z } }
+  end
+  return n > 2 and n < 8 and feder.sdf { shape = made, spacing = 0.06, adaptive = n == 3 } or made
+end
 local function new_body()
-  return keep("body", world:body { shape = shape(), position = place(1.2), type = chance(0.2) and pick { "kinematic", "static" } or nil,
+  return keep("body", world:body { shape = solid(), position = place(1.2), type = chance(0.2) and pick { "kinematic", "static" } or nil,
     velocity = chance(0.5) and { range(-5, 5), range(-5, 5), range(-5, 5) } or nil, restitution = range(0, 1), bullet = chance(0.1),
     angular_velocity = chance(0.3) and { range(-9, 9), range(-9, 9), range(-9, 9) } or nil, sensor = chance(0.1),
     density = range(50, 3000), surface_velocity = chance(0.1) and { range(-2, 2), 0, 0 } or nil })

@@ -1,9 +1,9 @@
-// Signed distance fields against closed forms: error, slope, closest point and sign by the distance q to the medial axis
-// or the nearest sharp edge; the three ways to acquire them; bad input.
+// Signed distance fields against closed forms: error, slope, closest point and sign by the distance q to the medial
+// axis or the nearest sharp edge; the three ways to acquire them; bad input.
+#include "base/rng.h"
 #include "feder/error.h"
 #include "feder/sdf.h"
 #include "geom/isosurface.h"
-#include "base/rng.h"
 #include "support/catch.h"
 
 using namespace feder;
@@ -21,8 +21,7 @@ struct Solid {
 double hypot3(double x, double y, double z) { return std::sqrt(x * x + y * y + z * z); }
 double box_distance(double x, double y, double z, double a, double b, double c) {
   const double dx = std::abs(x) - a, dy = std::abs(y) - b, dz = std::abs(z) - c;
-  return hypot3(std::max(dx, 0.0), std::max(dy, 0.0), std::max(dz, 0.0)) +
-         std::min(std::max({dx, dy, dz}), 0.0);
+  return hypot3(std::max(dx, 0.0), std::max(dy, 0.0), std::max(dz, 0.0)) + std::min(std::max({dx, dy, dz}), 0.0);
 }
 // Of a box: to the planes where two faces are equally near inside, and to its edges outside.
 double box_q(double x, double y, double z, double a, double b, double c) {
@@ -122,8 +121,8 @@ TEST_CASE("a field of distances is off by no more than its spacing allows", "[ge
       worst = std::max(worst, error / (1.1 * hh * hh / (4 * q)));
       if (std::abs(exact) > 4 * hh) continue;
       const Vec3 on = p - Real(d) * n;
-      worst_point = std::max(worst_point, std::abs(solid.distance(double(on[0]), double(on[1]), double(on[2]))) /
-                                              (3 * hh * hh / q));
+      worst_point = std::max(worst_point,
+                             std::abs(solid.distance(double(on[0]), double(on[1]), double(on[2]))) / (3 * hh * hh / q));
       // the slope itself, not made a unit
       const double e = 1e-3 * hh;
       Vec3 unused;
@@ -131,8 +130,8 @@ TEST_CASE("a field of distances is off by no more than its spacing allows", "[ge
       for (int k = 0; k < 3; ++k) {
         Vec3 step = Vec3::Zero();
         step[k] = Real(e);
-        const double difference = double(shape->distance(p + step, kInfinity, unused)) -
-                                  double(shape->distance(p - step, kInfinity, unused));
+        const double difference =
+            double(shape->distance(p + step, kInfinity, unused)) - double(shape->distance(p - step, kInfinity, unused));
         slope += difference * difference / (4 * e * e);
       }
       worst_slope = std::max(worst_slope, std::abs(std::sqrt(slope) - 1) / (0.7 * hh / q + 4e-3));
@@ -163,8 +162,8 @@ Triangles triangulated(const Solid& s, Real h) {
   for (int z = 0; z < grid.n[2]; ++z)
     for (int y = 0; y < grid.n[1]; ++y)
       for (int x = 0; x < grid.n[0]; ++x)
-        values.push_back(Real(-s.distance(double(grid.coordinate(0, x)), double(grid.coordinate(1, y)),
-                                          double(grid.coordinate(2, z)))));
+        values.push_back(Real(
+            -s.distance(double(grid.coordinate(0, x)), double(grid.coordinate(1, y)), double(grid.coordinate(2, z)))));
   IsoMesh mesh;
   IsoSurface iso;
   iso.extract(grid, values, 0, false, mesh);
@@ -286,7 +285,7 @@ TEST_CASE("bad input to a field is a line that says what to do", "[geom][sdf]") 
   d = {};
   d.size = vec3(1, 1, 1), d.spacing = Real(0.1);
   d.function = [](double x, double, double) { return x > 0 ? std::nan("") : 1.0; };
-  says(d, "fn: expected a finite number at (");
+  says(d, "sdf.fn: expected a finite number at (");
   d.function = [](double, double, double) { return 1.0; };
   says(d, "nothing is inside");
   d.function = [](double, double, double) { return -1.0; };

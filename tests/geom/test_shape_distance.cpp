@@ -67,7 +67,8 @@ TEST_CASE("a ray along the distance meets the surface, and no shorter one does",
     if (d < Real(sdf_report(s) ? 3e-3 : 1e-3) * size) return;  // a field: a tenth of a cell
     if (between_surfaces(s, p)) return;
     const auto report = sdf_report(s);  // the direction is good near the surface
-    if (d < (report ? 3 * report->spacing : 4 * size)) {  // within the limit; a ray at the very tip may slip past it: aim a little inwards
+    if (d < (report ? 3 * report->spacing
+                    : 4 * size)) {  // within the limit; a ray at the very tip may slip past it: aim a little inwards
       const MassProperties m = s.mass(1);
       const Vec3 surface = p - n * d;
       const Real off = report ? Real(0.9) * report->spacing : Real(0);  // near its edges

@@ -41,7 +41,7 @@ TEST_CASE("fields: mistakes say file, line, expected and given", "[lua][options]
       {"feder.sdf_union(feder.box(1,1,1), feder.box(1,1,1))", "expected at least one field, got a box and a box"},
       {"feder.sdf_offset(feder.box(1,1,1), 0.1)", "expected a field, got a box"},
       {"local b = world:body{ shape = feder.box(1,1,1) }; b:carve{ shape = feder.box(3,3,3) }",
-       "test.lua:1: body:carve: nothing is inside"},
+       "test.lua:1: body:carve: sdf: nothing is inside"},
       {"local b = world:body{ shape = feder.box(1,1,1) }; b:carve{ position = {1,1,1} }",
        "test.lua:1: body:carve.shape: expected a shape"},
   };
@@ -69,7 +69,7 @@ TEST_CASE("what is carved is lost, what is welded on is gained, what comes off i
   CHECK(printed("local m = b:mass() b:carve{ shape = feder.sphere(0.3), position = {0.5, 5, 0} } "
                 "print(math.abs(m - b:mass() - 113.1) < 2, world:bodies()[2])") == "true\tnil\n");
   CHECK(printed("local m = b:mass() b:weld_on{ shape = feder.sphere(0.3), position = {0, 5.5, 0} } "
-                "print(math.abs(b:mass() - m - 56.5) < 3)") == "true\n");
+                "print(math.abs(b:mass() - m - 56.5) < 6)") == "true\n");
   // in two, whose points go on as they went
   const std::string cut = "b:carve{ shape = feder.box(0.2, 2, 2), position = {0.3, 5, 0} } ";
   const std::string two = printed(cut + "print(#world:bodies(), math.abs(weigh() - 1800) < 10)");
@@ -94,7 +94,8 @@ TEST_CASE("a hundred balls carved out of a block take their mass with them", "[l
       "local c = world:body{ shape = feder.sdf{ shape = feder.box(3, 2.4, 3), spacing = 0.06 }, position = {0, 9, 0} } "
       "local m, n = c:mass(), 0 "
       "for x = 0, 4 do for y = 0, 3 do for z = 0, 4 do n = n + 1 "
-      "c:carve{ shape = feder.sphere(0.2), position = {-1.2 + 0.6 * x, 9 - 0.9 + 0.6 * y, -1.2 + 0.6 * z} } end end end "
+      "c:carve{ shape = feder.sphere(0.2), position = {-1.2 + 0.6 * x, 9 - 0.9 + 0.6 * y, -1.2 + 0.6 * z} } end end "
+      "end "
       "local lost = n * 4 / 3 * math.pi * 0.2^3 * 1000 "
       "print(n, math.abs(m - lost - c:mass()) < 0.01 * c:mass(), math.abs(m - c:mass() - lost) < 0.05 * lost)",
       {}, kWorld);
@@ -103,14 +104,14 @@ TEST_CASE("a hundred balls carved out of a block take their mass with them", "[l
 }
 
 TEST_CASE("a mesh with a mass becomes a field and rests on the floor", "[lua]") {
-  const Ran ran = run(
-      "local v = {{-1,-1,-1},{1,-1,-1},{1,1,-1},{-1,1,-1},{-1,-1,1},{1,-1,1},{1,1,1},{-1,1,1}} "
-      "local t = {{1,3,2},{1,4,3},{5,6,7},{5,7,8},{1,2,6},{1,6,5},{4,7,3},{4,8,7},{1,8,4},{1,5,8},{2,3,7},{2,7,6}} "
-      "world:body{ type = 'static', shape = feder.plane() } "
-      "local b = world:body{ shape = feder.mesh(v, t), density = 100, position = {0, 1.5, 0} } "
-      "for _ = 1, 240 do world:step() end local _, y = b:position() "
-      "print(math.abs(b:mass() - 800) < 8, math.abs(y - 1) < 0.01, b:awake())",
-      {}, kWorld);
+  const Ran ran =
+      run("local v = {{-1,-1,-1},{1,-1,-1},{1,1,-1},{-1,1,-1},{-1,-1,1},{1,-1,1},{1,1,1},{-1,1,1}} "
+          "local t = {{1,3,2},{1,4,3},{5,6,7},{5,7,8},{1,2,6},{1,6,5},{4,7,3},{4,8,7},{1,8,4},{1,5,8},{2,3,7},{2,7,6}} "
+          "world:body{ type = 'static', shape = feder.plane() } "
+          "local b = world:body{ shape = feder.mesh(v, t), density = 100, position = {0, 1.5, 0} } "
+          "for _ = 1, 240 do world:step() end local _, y = b:position() "
+          "print(math.abs(b:mass() - 800) < 8, math.abs(y - 1) < 0.01, b:awake())",
+          {}, kWorld);
   CHECK(ran.error == "");
   CHECK(ran.output == "true\ttrue\tfalse\n");
 }

@@ -56,9 +56,9 @@ class Rigid final : public System {
   void apply_angular_impulse(ObjectId body, const Vec3& impulse);
   void move_to(ObjectId body, const Pose& origin);  // kinematic: pose at the end of the next step
   void set_type(ObjectId body, BodyType type);
-  // A solid cut out of a body of one shape, or welded on, at `place` in the body frame; the body's shape becomes a field.
-  // Density and the motion of each point stay. Parts that come off become bodies (event "carved"). SceneError when
-  // nothing is left.
+  // A solid cut out of a body of one shape, or welded on, at `place` in the body frame; the body's shape becomes a
+  // field. Density and the motion of each point stay. Parts that come off become bodies (event "carved"). SceneError
+  // when nothing is left.
   void carve(ObjectId body, const ShapePtr& tool, const Pose& place);
   void weld_on(ObjectId body, const ShapePtr& shape, const Pose& place);
   void set_filter(ObjectId body, std::uint32_t group, std::uint32_t mask);

@@ -49,8 +49,9 @@ inline constexpr std::uint64_t kMostSdfCorners = 100000000;
 // side; a box with a side 10^4 times another; a function that gives no finite number; too many cells.
 ShapePtr make_sdf(const SdfDesc& desc);
 
-// Of fields and other solids; `place_b`: b in the frame of a. The result has the finer spacing of the fields. SceneError
-// when neither is a field, or nothing is left. Source: minimum and maximum of distances, whose errors outside of the surface are those of bounds.
+// Of fields and other solids; `place_b`: b in the frame of a. The result has the finer spacing of the fields.
+// SceneError when neither is a field, or nothing is left. Source: minimum and maximum of distances, whose errors
+// outside of the surface are those of bounds.
 ShapePtr sdf_union(const Shape& a, const Shape& b, const Pose& place_b = {});
 ShapePtr sdf_subtract(const Shape& a, const Shape& b, const Pose& place_b = {});
 ShapePtr sdf_intersect(const Shape& a, const Shape& b, const Pose& place_b = {});
