@@ -168,19 +168,17 @@ const Shape& check_solid(lua_State* L, int index) {
   return **shape;
 }
 
+void read_position(Options& o, const OptionRow& row, Pose& p) { o.vector(row.name, p.position); }
+void read_rotation(Options& o, const OptionRow& row, Pose& p) { o.rotation(row.name, p.rotation); }
+
+constexpr Option<Pose> kPlace[] = {
+    special("position", "vector", read_position, "m"),
+    special("rotation", "rotation", read_rotation),
+};
+
 Pose check_place(lua_State* L, int index) {
   Pose place;
-  if (lua_isnoneornil(L, index)) return place;
-  Options o(L, index, function_name(L));
-  static constexpr Option<Pose> kPlace[] = {
-      special(
-          "position", "vector",
-          +[](Options& from, const OptionRow& row, Pose& p) { from.vector(row.name, p.position); }, "m"),
-      special(
-          "rotation", "rotation",
-          +[](Options& from, const OptionRow& row, Pose& p) { from.rotation(row.name, p.rotation); }),
-  };
-  o.read(kPlace, place);
+  if (!lua_isnoneornil(L, index)) Options(L, index, function_name(L)).read(kPlace, place);
   return place;
 }
 
@@ -218,16 +216,17 @@ int feder_sdf(lua_State* L) {
 std::vector<OptionInfo> sdf_rows() { return describe_rows(kSdf); }
 
 std::span<const Method> sdf_functions() {
-  static constexpr const char* kPlace = "b lies at { position =, rotation = } in the frame of a";
   static const Method all[] = {
       {"sdf_union", guard<sdf_combine<sdf_union>>, "feder.sdf_union(a, b, [{ position =, rotation = }]) -> shape",
-       kPlace},
+       "a and b as one field; b lies at that place in the frame of a", rows_of<kPlace>},
       {"sdf_subtract", guard<sdf_combine<sdf_subtract>>,
-       "feder.sdf_subtract(a, b, [{ position =, rotation = }]) -> shape", "a without b"},
+       "feder.sdf_subtract(a, b, [{ position =, rotation = }]) -> shape",
+       "a without b, which lies at that place in the frame of a", rows_of<kPlace>},
       {"sdf_intersect", guard<sdf_combine<sdf_intersect>>,
-       "feder.sdf_intersect(a, b, [{ position =, rotation = }]) -> shape", "what a and b have in common"},
+       "feder.sdf_intersect(a, b, [{ position =, rotation = }]) -> shape",
+       "what a has in common with b, which lies at that place in the frame of a", rows_of<kPlace>},
       {"sdf_offset", guard<sdf_grow>, "feder.sdf_offset(a, distance) -> shape",
-       "grown by the distance in m; shrunk when below 0"},
+       "a field grown by the distance in m; shrunk when below 0"},
   };
   for (const ShapeKind& kind : shape_kinds())
     if (kind.fields) return all;

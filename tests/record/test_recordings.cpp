@@ -129,14 +129,14 @@ TEST_CASE("each class of bytes is refused by its name", "[record]") {
     return refusal(bad);
   };
   CHECK(altered(0) == "not a recording of feder: it does not begin with 'feder recording'");
-  CHECK(altered(line - 2).find("this build reads format 3") != std::string::npos);                    // the format
+  CHECK(altered(line - 2).find("this build reads format 4") != std::string::npos);                    // the format
   CHECK(altered(line) == "block 1 at byte 18 of the recording is damaged: its checksum is another");  // kind
   CHECK(altered(line + 8).find("bytes, but only") != std::string::npos);                              // length
   CHECK(altered(line + 12).find("block 1 at byte 18 of the recording is damaged") == 0);              // content
   CHECK(altered(good.size() - 1).find("is damaged: its checksum is another") != std::string::npos);   // checksum
   CHECK(refusal("") == "not a recording of feder: it does not begin with 'feder recording'");
   CHECK(refusal("return { title = \"a scene\" }").find("not a recording") == 0);
-  CHECK(refusal("feder recording 4\n") == "the recording is of format '4', this build reads format 3");
+  CHECK(refusal("feder recording 5\n") == "the recording is of format '5', this build reads format 4");
   // checksums that are right
   CHECK(refusal(with_block(good, 1, 'X', "")).find("of an unknown kind") != std::string::npos);
   CHECK(refusal(with_block(good, 1, recording::kItems, std::string(2, '\0'))).find("a world that is not there") !=
