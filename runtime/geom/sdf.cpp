@@ -21,8 +21,9 @@ namespace {
 constexpr int kHullDirections = 512;
 constexpr Real kHullSlack = Real(0.005);  // of the extent: what 512 directions leave out of a ball
 constexpr int kMaxBalls = 12, kBallSeeds = 256;
-constexpr Real kBlunt = 4;  // cells that a sample may lie farther in than one on an edge
-constexpr int kParts = 3;   // of a cell, along each axis, for the volume
+constexpr Real kOfDetail = Real(1.2);  // samples are so many half widths of details apart
+constexpr Real kBlunt = 4;             // cells that a sample may lie farther in than one on an edge
+constexpr int kParts = 3;              // of a cell, along each axis, for the volume
 constexpr int kMaxRaySteps = 512;
 constexpr Real kShort = Real(0.4);  // a slope that says no direction
 
@@ -79,6 +80,22 @@ void Sdf::surface(IsoMesh& mesh) const {
   iso.extract_blocks(grid, blocks, sample, 0, true, mesh);
 }
 
+// Half of how thick teeth and walls, or how wide grooves are across the finer fifth of the surface.
+Real Sdf::detail(const std::vector<Vec3>& at, const std::vector<Vec3>& normals) const {
+  std::vector<Real> widths;
+  const std::size_t stride = std::max<std::size_t>(1, at.size() / kBallSeeds);
+  const Real step = field_.layout().spacing / 2;
+  for (std::size_t i = 0; i < at.size(); i += stride) {
+    Real least = 2 * half_diagonal(box_);
+    for (const Real side : {Real(-1), Real(1)})
+      for (Real t = 2 * step; t < least; t += step)
+        if (side * field_.at(at[i] + side * t * normals[i]) < 0) least = t;
+    widths.push_back(least);
+  }
+  std::sort(widths.begin(), widths.end());
+  return widths[widths.size() / 5] / 2;
+}
+
 // One vertex of those in a cube about as large as the spacing of samples, for each of six ways to look.
 void Sdf::take_samples(const IsoMesh& mesh) {
   double area = 0;
@@ -102,7 +119,10 @@ void Sdf::take_samples(const IsoMesh& mesh) {
     normals.push_back(normalized_or(slope, Vec3(0, 1, 0)));
     blunt.push_back(std::max(1 - length(slope), Real(0)));
   }
-  sample_spacing_ = std::max(field_.layout().spacing, Real(std::sqrt(1.5 * area / double(kMostSamples))));
+  const Real h = field_.layout().spacing;
+  const auto spaced = [&](std::size_t count) { return Real(std::sqrt(1.5 * area / double(count))); };
+  const Real fine = kOfDetail * detail(mesh.vertices, normals);
+  sample_spacing_ = std::max({h, std::min(fine, spaced(kSamples)), spaced(kMostSamples)});
   for (std::uint32_t i = 0; i < mesh.vertices.size(); ++i) {
     Found f{{}, 0, i};
     for (int k = 0; k < 3; ++k) {

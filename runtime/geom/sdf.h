@@ -16,7 +16,7 @@ namespace feder {
 
 class Sdf final : public Shape {
  public:
-  static constexpr std::size_t kMostSamples = 800;
+  static constexpr std::size_t kSamples = 800, kMostSamples = 12000;  // of plain shapes, and of detailed ones
 
   // SceneError when the field has no inside.
   Sdf(DistanceField field, Real error, std::vector<std::string> warnings);
@@ -58,6 +58,7 @@ class Sdf final : public Shape {
 
  private:
   void take_samples(const IsoMesh& mesh);
+  Real detail(const std::vector<Vec3>& at, const std::vector<Vec3>& normals) const;
   void take_hull(const IsoMesh& mesh);
   void take_balls();
   void integrate();

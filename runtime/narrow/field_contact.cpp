@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "feder/error.h"
 #include "narrow/reduce.h"
 
 namespace feder {
@@ -71,7 +72,32 @@ void FieldContacts::add_samples(const OtherField& other) {
   });
 }
 
-// To those that stand, at most kKept: the four that carry each normal, the deepest normals first.
+// The order in which normals count: the deepest, then that which is most unlike those before it among all that are
+// nearly as deep (the walls round a peg, the flanks of a thread), then the rest by depth.
+int FieldContacts::spread(const int* first, int groups, int most, int* chosen) const {
+  const Real near = candidates_[first[0]].separation + margin_ / 4;
+  bool taken[kMost] = {};
+  int count = 0;
+  while (count < most && count < groups) {
+    int best = -1;
+    Real unlike = -kInfinity;
+    for (int g = 0; g < groups; ++g) {
+      if (taken[g]) continue;
+      const FieldCandidate& c = candidates_[first[g]];
+      Real value = 2;
+      if (c.separation <= near)
+        for (int k = 0; k < count; ++k)
+          value = std::min(value, 1 - dot(c.normal, candidates_[first[chosen[k]]].normal));
+      if (c.separation > near) value = -1 - std::max(c.separation, Real(0));
+      if (value > unlike) unlike = value, best = g;
+    }
+    taken[best] = true;
+    chosen[count++] = best;
+  }
+  return count;
+}
+
+// To those that stand, at most kKept: the four that carry each of eight normals.
 void FieldContacts::thin_out() {
   std::sort(candidates_, candidates_ + count_, deeper);
   int group[kMost], first[kMost], groups = 0;
@@ -95,9 +121,20 @@ void FieldContacts::thin_out() {
     count_ = kept;
   }
   if (count_ <= kKept) return;
+  // groups that are left, by depth
+  int number[kMost], left = 0;
+  std::fill(number, number + groups, -1);
+  for (int i = 0; i < count_; ++i) {
+    if (number[group[i]] < 0) number[group[i]] = left, first[left++] = i;
+    group[i] = number[group[i]];
+  }
+  groups = left;
+  int order[kKeptNormals];
+  const int normals = spread(first, groups, kKeptNormals, order);
   FieldCandidate out[kKept];
   int found = 0;
-  for (int g = 0; g < groups && found < kKept; ++g) {
+  for (int n = 0; n < normals; ++n) {
+    const int g = order[n];
     ManifoldPoint points[kMost];
     int index[kMost], of = 0;
     for (int k = 0; k < count_; ++k) {
@@ -105,10 +142,13 @@ void FieldContacts::thin_out() {
       points[of] = {candidates_[k].at, candidates_[k].separation, candidates_[k].feature};
       index[of++] = k;
     }
-    if (of == 0) continue;
+    FEDER_ASSERT(of > 0);
+    int down = 0;
+    while (down < of && points[down].separation <= points[0].separation + margin_ / 4) ++down;
+    if (down >= kMaxManifoldPoints) of = down;
     int chosen[kMaxManifoldPoints];
     const int four = reduce_indices({points, static_cast<std::size_t>(of)}, candidates_[index[0]].normal, chosen);
-    for (int k = 0; k < four && found < kKept; ++k) out[found++] = candidates_[index[chosen[k]]];
+    for (int k = 0; k < four; ++k) out[found++] = candidates_[index[chosen[k]]];
   }
   std::copy(out, out + found, candidates_);
   count_ = found;
@@ -180,22 +220,31 @@ int FieldContacts::finish(const Pose& pose, Real sign, Manifold* out) {
   if (count_ == 0) return 0;
   thin_out();
   const Mat3 r = to_matrix(pose.rotation);
-  bool taken[kMost] = {};
-  int manifolds = 0;
-  for (int i = 0; i < count_ && manifolds < kMaxManifolds; ++i) {
-    if (taken[i] || candidates_[i].separation > margin_) continue;
+  std::sort(candidates_, candidates_ + count_, deeper);
+  while (count_ > 0 && candidates_[count_ - 1].separation > margin_) --count_;
+  if (count_ == 0) return 0;
+  int group[kMost], first[kMost], groups = 0, order[kMaxManifolds];
+  for (int i = 0; i < count_; ++i) {
+    int g = 0;
+    while (g < groups && !one_normal(candidates_[first[g]].normal, candidates_[i].normal)) ++g;
+    if (g == groups) first[groups++] = i;
+    group[i] = g;
+  }
+  const int manifolds = spread(first, groups, kMaxManifolds, order);
+  for (int n = 0; n < manifolds; ++n) {
     ManifoldPoint points[kMost];
     int of = 0;
-    for (int k = i; k < count_; ++k) {
-      const FieldCandidate& c = candidates_[k];
-      if (taken[k] || c.separation > margin_ || !one_normal(candidates_[i].normal, c.normal)) continue;
-      taken[k] = true;
-      points[of++] = {c.at, c.separation, c.feature};
-    }
-    Manifold& m = out[manifolds++];
+    for (int k = 0; k < count_; ++k)
+      if (group[k] == order[n]) points[of++] = {candidates_[k].at, candidates_[k].separation, candidates_[k].feature};
+    // a foot stands on what is down, not on its rim
+    int down = 0;
+    while (down < of && points[down].separation <= points[0].separation + margin_ / 4) ++down;
+    if (down >= kMaxManifoldPoints) of = down;
+    Manifold& m = out[n];
+    const Vec3& normal = candidates_[first[order[n]]].normal;
     m.surface = 0;
-    reduce_points({points, static_cast<std::size_t>(of)}, candidates_[i].normal, m);
-    m.normal = sign * (r * candidates_[i].normal);
+    reduce_points({points, static_cast<std::size_t>(of)}, normal, m);
+    m.normal = sign * (r * normal);
     for (int k = 0; k < m.count; ++k) m.points[k].position = pose.position + r * m.points[k].position;
   }
   return manifolds;

@@ -65,7 +65,8 @@ class FieldContacts {
   int deepest(FieldCandidate* out, int most) const;
 
  private:
-  static constexpr int kMost = 96, kKept = 16;
+  static constexpr int kMost = 128, kKeptNormals = 8, kKept = kKeptNormals * kMaxManifoldPoints;
+  int spread(const int* first, int groups, int most, int* chosen) const;
   void thin_out();
 
   const Sdf& field_;
