@@ -141,7 +141,7 @@ void Rigid::load(Reader& r) {
   for (std::uint32_t j = 0; j < s.joints.size(); ++j)
     if (s.records[j].alive) s.refresh_joint(j);
   s.solver_bodies.clear_indices();
-  s.moved.clear();
+  s.moved.clear(), s.carved_off.clear(), s.unsaid.clear();
   s.list_stale = s.poses_stale = s.joints_stale = true;
   s.active_joints.clear(), s.breakable_joints.clear(), s.joined_bodies.clear();
 }

@@ -115,3 +115,24 @@ TEST_CASE("a mesh with a mass becomes a field and rests on the floor", "[lua]") 
   CHECK(ran.error == "");
   CHECK(ran.output == "true\ttrue\tfalse\n");
 }
+
+TEST_CASE("cloth and fluid meet a field as they meet what it holds", "[lua]") {
+  const auto ends = [](const char* shape) {
+    const Ran ran =
+        run(std::string("world:body{ type = 'static', shape = ") + shape +
+                " } local c = world:cloth{ size = {1.2, 1.2}, resolution = {14, 14}, position = {0, 0.5, 0} } "
+                "local f = world:fluid{ spacing = 0.08 } f:fill{ box = {{-0.2, 0.7, -0.2}, {0.2, 1, 0.2}} } "
+                "for _ = 1, 90 do world:step() end "
+                "local function mean(b) local s = 0 for i = 2, #b, 3 do s = s + b[i] end return s / (#b / 3) end "
+                "print(mean(c:positions())) print(mean(f:positions()))",
+            {}, kWorld);
+    CHECK(ran.error == "");
+    return ran.output;
+  };
+  const std::string ball = ends("feder.sphere(0.4)"),
+                    field = ends("feder.sdf{ shape = feder.sphere(0.4), spacing = 0.02 }");
+  CAPTURE(ball, field);
+  CHECK(std::abs(std::stod(ball) - std::stod(field)) < 0.005);
+  const auto second = [](const std::string& s) { return std::stod(s.substr(s.find('\n'))); };
+  CHECK(std::abs(second(ball) - second(field)) < 0.05);
+}
