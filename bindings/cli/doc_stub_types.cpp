@@ -27,6 +27,7 @@ Types make_types_of_names() {
   add("fun(): feder.Event", {"iterator"});
   add("table", {"filter", "table"});
   add("feder.AnyObject", {"a", "b", "object"});
+  add("feder.Shape", {"shape", "other_shape"});
   add("number[][]", {"points", "vertices", "triangles"});
   add("number", {"x",           "y",       "z",         "w",        "dx",         "dy",
                  "dz",          "nx",      "ny",        "nz",       "px",         "py",
@@ -70,6 +71,10 @@ const std::string* stub_type_of_row(const std::string& type) {
       {"list of tables", "table[]"},
       {"list of {friction =, ...}", "table[]"},
       {"list of {i, j, ...}", "table[]"},
+      {"{vertices, triangles} or mesh", "table|feder.Shape"},
+      {"function(x, y, z) -> distance", "fun(x: number, y: number, z: number): number"},
+      {"buffer of distances, x fastest", "feder.Buffer|number[]"},
+      {"vector or number", "number[]|number"},
       {"list of {i, j, k}", "integer[][]"},
       {"list of {i, j, k} or buffer", "integer[][]|feder.Buffer"},
       {"number or false", "number|false"},

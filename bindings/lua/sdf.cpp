@@ -217,15 +217,16 @@ std::vector<OptionInfo> sdf_rows() { return describe_rows(kSdf); }
 
 std::span<const Method> sdf_functions() {
   static const Method all[] = {
-      {"sdf_union", guard<sdf_combine<sdf_union>>, "feder.sdf_union(a, b, [{ position =, rotation = }]) -> shape",
-       "a and b as one field; b lies at that place in the frame of a", rows_of<kPlace>},
+      {"sdf_union", guard<sdf_combine<sdf_union>>,
+       "feder.sdf_union(shape, other_shape, [{ position =, rotation = }]) -> shape",
+       "both as one field; the other lies at that place in the frame of the first", rows_of<kPlace>},
       {"sdf_subtract", guard<sdf_combine<sdf_subtract>>,
-       "feder.sdf_subtract(a, b, [{ position =, rotation = }]) -> shape",
-       "a without b, which lies at that place in the frame of a", rows_of<kPlace>},
+       "feder.sdf_subtract(shape, other_shape, [{ position =, rotation = }]) -> shape",
+       "the first without the other, which lies at that place in its frame", rows_of<kPlace>},
       {"sdf_intersect", guard<sdf_combine<sdf_intersect>>,
-       "feder.sdf_intersect(a, b, [{ position =, rotation = }]) -> shape",
-       "what a has in common with b, which lies at that place in the frame of a", rows_of<kPlace>},
-      {"sdf_offset", guard<sdf_grow>, "feder.sdf_offset(a, distance) -> shape",
+       "feder.sdf_intersect(shape, other_shape, [{ position =, rotation = }]) -> shape",
+       "what both have in common; the other lies at that place in the frame of the first", rows_of<kPlace>},
+      {"sdf_offset", guard<sdf_grow>, "feder.sdf_offset(shape, distance) -> shape",
        "a field grown by the distance in m; shrunk when below 0"},
   };
   for (const ShapeKind& kind : shape_kinds())

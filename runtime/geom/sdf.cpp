@@ -1,7 +1,7 @@
 // The shape of a distance field. Volume, centre and moments: cells near the surface by 3 x 3 x 3 parts, from which the
 // bias of trilinear values (t (1 - t) h^2/2 times the second derivative along each axis) is taken off. Rays: sphere
 // tracing, Hart 1996, with bisection where the sign changes. Reads only after it is made.
-// Weak spots: a ray may step over what is thinner than a twentieth of a cell; the hull is that of 512 directions.
+// Weak spots: a ray may step over what is thinner than a twentieth of a cell; the hull is that of 2048 directions.
 #include "geom/sdf.h"
 
 #include <algorithm>
@@ -18,14 +18,13 @@
 namespace feder {
 namespace {
 
-constexpr int kHullDirections = 512;
-constexpr Real kHullSlack = Real(0.005);  // of the extent: what 512 directions leave out of a ball
+constexpr int kHullDirections = 2048;
+constexpr Real kHullSlack = Real(0.0015);  // of the extent: what so many directions leave out of a ball
 constexpr int kMaxBalls = 12, kBallSeeds = 256;
 constexpr Real kOfDetail = Real(1.2);  // samples are so many half widths of details apart
 constexpr Real kBlunt = 4;             // cells that a sample may lie farther in than one on an edge
 constexpr int kParts = 3;              // of a cell, along each axis, for the volume
-constexpr int kMaxRaySteps = 512;
-constexpr Real kShort = Real(0.4);  // a slope that says no direction
+constexpr Real kShort = Real(0.4);     // a slope that says no direction
 
 Real half_diagonal(const Aabb& box) { return length(box.hi - box.lo) / 2; }
 
@@ -339,23 +338,24 @@ bool Sdf::raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const {
     return true;
   }
   if (whole == 0) return false;
-  Real t = enter, last = enter;
-  for (int i = 0; i < kMaxRaySteps || h * Real(0.05) * Real(i - kMaxRaySteps) < whole; ++i) {
-    const Real d = field_.at(origin + t * ray);
-    if (d < 0) break;
-    if (t >= leave) return false;
-    last = t;
-    t = std::min(leave, t + std::max(Real(0.9) * d, Real(0.05) * h) / whole);
+  // in metres from where it enters the box: fractions of a long ray have no digits for its cells
+  const Vec3 start = origin + enter * ray, along = normalized_or(ray, Vec3(0, 1, 0));
+  const Real way = (leave - enter) * whole;
+  if (!(way < 4 * half_diagonal(box_))) return false;  // not finite
+  Real s = 0, last = 0;
+  while (!(field_.at(start + s * along) < 0)) {
+    if (s >= way) return false;
+    last = s;
+    s = std::min(way, s + std::max(Real(0.9) * field_.at(start + s * along), Real(0.05) * h));
   }
-  if (!(field_.at(origin + t * ray) < 0)) return false;
-  Real outside = last, inside = t;
+  Real outside = last, inside = s;
   for (int i = 0; i < 24; ++i) {
     const Real middle = (outside + inside) / 2;
-    (field_.at(origin + middle * ray) < 0 ? inside : outside) = middle;
+    (field_.at(start + middle * along) < 0 ? inside : outside) = middle;
   }
   Vec3 slope;
-  field_.at(origin + outside * ray, slope);
-  hit = {outside, normalized_or(slope, normalized_or(-ray, Vec3(0, 1, 0)))};
+  field_.smooth_at(start + outside * along, slope);
+  hit = {std::min(enter + outside / whole, Real(1)), normalized_or(slope, Vec3(-along))};
   return true;
 }
 

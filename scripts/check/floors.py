@@ -32,7 +32,7 @@ NEIGHBORS = {
 # strangers where what they declare has its definitions in a lower room.
 PUBLIC = {
     "types": "base", "error": "base", "params": "base", "memory": "base", "snapshot": "base", "profile": "base",
-    "shape": "geom", "sdf": "geom", "object": "state", "events": "state", "body": "state", "order": "step", "plan": "step",
+    "shape": "geom", "sdf": "geom", "object": "state", "events": "state", "body": "state", "plan": "step",
     "system": "step", "force": "forces", "integrator": "integrate", "joint": "constrain", "query": "collide",
     "net": "springs", "rigid": "rigid", "cloth": "cloth", "fluid": "fluid", "desc": "world", "world": "world",
     "systems": "world", "record": "record", "study": "study", "stability": "study", "lua": "lua", "parts": "lua", "yaml": "lua",
