@@ -147,7 +147,8 @@ void body_edit(const Body& b, lua_State* L) {
   Tool t;
   Options(L, 2, function_name(L)).read(kTool, t);
   const Pose body = b.system.pose(b.id);
-  (b.system.*Edit)(b.id, t.shape, {to_local(body, t.place.position), conjugate(body.rotation) * t.place.rotation});
+  const Pose place{to_local(body, t.place.position), conjugate(body.rotation) * t.place.rotation};
+  state(L).outside_lua([&] { (b.system.*Edit)(b.id, t.shape, place); });
 }
 
 struct Filter {

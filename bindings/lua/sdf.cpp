@@ -185,7 +185,10 @@ Pose check_place(lua_State* L, int index) {
 template <ShapePtr (*Combine)(const Shape&, const Shape&, const Pose&)>
 int sdf_combine(lua_State* L) {
   const Shape &a = check_solid(L, 1), &b = check_solid(L, 2);
-  push_userdata(L, Class::shape, Combine(a, b, check_place(L, 3)));
+  const Pose place = check_place(L, 3);
+  ShapePtr made;
+  state(L).outside_lua([&] { made = Combine(a, b, place); });
+  push_userdata(L, Class::shape, std::move(made));
   return 1;
 }
 
@@ -209,7 +212,9 @@ int feder_sdf(lua_State* L) {
       fail_here(L, "expected one of mesh, shape, fn and buffer, got more");
     return push_from_function(L, r);
   }
-  push_userdata(L, Class::shape, make_sdf(r.desc));
+  ShapePtr made;
+  state(L).outside_lua([&] { made = make_sdf(r.desc); });
+  push_userdata(L, Class::shape, std::move(made));
   return 1;
 }
 
