@@ -1,5 +1,6 @@
 // What must not break: crowds, light and heavy bodies, a wall through the fluid, stray particles.
 #include "base/rng.h"
+#include "feder/error.h"
 #include "fluid/any_solver.h"
 #include "fluid/tank.h"
 #include "support/catch.h"
@@ -91,6 +92,7 @@ TEST_CASE("walls throw nothing back faster than it came", "[fluid][extreme]") {
 }
 
 TEST_CASE("bodies a hundred times lighter and heavier than the fluid", "[fluid][extreme]") {
+  if (kAsserts) return;  // release asks the same, in less time
   const Real ratio = GENERATE(Real(0.01), Real(0.1), Real(10), Real(100));
   if ((!kLarge || kAsserts) && ratio != Real(0.01) && ratio != 100) return;
   const std::string solver = any_fluid_solver();
