@@ -43,6 +43,14 @@ void take_list(std::string_view& in, std::vector<T>& list) {
 
 }  // namespace
 
+void FieldLayout::range(const Aabb& box, Real reach, int (&lo)[3], int (&hi)[3]) const {
+  for (int k = 0; k < 3; ++k) {
+    const auto corner = [&](Real x) { return std::clamp((x - origin[k]) / spacing, Real(-1), Real(n[k])); };
+    lo[k] = std::max(0, static_cast<int>(std::ceil(corner(box.lo[k] - reach))));
+    hi[k] = std::min(n[k] - 1, static_cast<int>(std::floor(corner(box.hi[k] + reach))));
+  }
+}
+
 DistanceField::DistanceField(const FieldLayout& layout, std::vector<float> values)
     : layout_(layout), inverse_(1 / layout.spacing), values_(std::move(values)) {
   FEDER_ASSERT(values_.size() == layout.corners() && layout.n[0] > 1 && layout.n[1] > 1 && layout.n[2] > 1);

@@ -19,7 +19,32 @@ struct FieldLayout {
   Real spacing = 1;            // m
   int n[3] = {0, 0, 0};        // corners along x, y, z, at least two
 
-  std::size_t corners() const { return std::size_t(n[0]) * std::size_t(n[1]) * std::size_t(n[2]); }
+  std::size_t corners() const { return stride(3); }
+  std::size_t stride(int axis) const {  // of numbers of corners; 3: all of them
+    std::size_t s = 1;
+    for (int k = 0; k < axis; ++k) s *= static_cast<std::size_t>(n[k]);
+    return s;
+  }
+  std::size_t index(int x, int y, int z) const {
+    return std::size_t(x) + std::size_t(n[0]) * (std::size_t(y) + std::size_t(n[1]) * std::size_t(z));
+  }
+  void place_of(std::size_t index, int (&at)[3]) const {
+    const auto row = std::size_t(n[0]), rows = std::size_t(n[1]);
+    at[0] = static_cast<int>(index % row), at[1] = static_cast<int>(index / row % rows);
+    at[2] = static_cast<int>(index / row / rows);
+  }
+  // Corners within `reach` of a box; lo above hi along an axis: none.
+  void range(const Aabb& box, Real reach, int (&lo)[3], int (&hi)[3]) const;
+  // value(x, y, z) of all corners, x fastest.
+  template <class F>
+  std::vector<float> values(F&& value) const {
+    std::vector<float> out;
+    out.reserve(corners());
+    for (int z = 0; z < n[2]; ++z)
+      for (int y = 0; y < n[1]; ++y)
+        for (int x = 0; x < n[0]; ++x) out.push_back(static_cast<float>(value(x, y, z)));
+    return out;
+  }
   Vec3 corner(int x, int y, int z) const { return origin + spacing * Vec3(Real(x), Real(y), Real(z)); }
   Aabb box() const { return {origin, corner(n[0] - 1, n[1] - 1, n[2] - 1)}; }
 };

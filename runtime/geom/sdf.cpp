@@ -42,8 +42,7 @@ Vec3 spread_direction(int i, int count) {
 
 }  // namespace
 
-Sdf::Sdf(DistanceField field, Real error, std::vector<std::string> warnings)
-    : Shape("sdf", false), field_(std::move(field)), error_(error), warnings_(std::move(warnings)) {
+Sdf::Sdf(DistanceField field) : Shape("sdf", false), field_(std::move(field)) {
   IsoMesh mesh;
   surface(mesh);
   if (mesh.triangles.empty())
@@ -359,11 +358,35 @@ bool Sdf::raycast(const Vec3& origin, const Vec3& ray, RayHit& hit) const {
   return true;
 }
 
+// Its content: the length of the warnings, the warnings a line each, then the field.
 ShapeArguments Sdf::arguments() const {
   ShapeArguments out{.sizes = {error_}};
-  out.content = field_.content();
+  std::string lines;
+  for (const std::string& w : warnings_) lines += w + "\n";
+  const std::uint64_t length = lines.size();
+  out.content.assign(reinterpret_cast<const char*>(&length), sizeof length);
+  out.content += lines + field_.content();
   return out;
 }
+
+namespace {
+
+ShapePtr from_content(const ShapeInput& in) {
+  std::uint64_t length = 0;
+  if (in.content.size() < sizeof length) throw SceneError("sdf: its content is cut short");
+  std::memcpy(&length, in.content.data(), sizeof length);
+  std::string_view rest = in.content.substr(sizeof length);
+  if (length > rest.size()) throw SceneError("sdf: its content is cut short");
+  std::string_view lines = rest.substr(0, length);
+  std::vector<std::string> warnings;
+  for (std::size_t end; (end = lines.find('\n')) != std::string_view::npos; lines.remove_prefix(end + 1))
+    warnings.emplace_back(lines.substr(0, end));
+  const auto made = std::make_shared<Sdf>(DistanceField::from_content(rest.substr(length)));
+  made->certify(in.sizes.empty() ? Real(-1) : in.size(0), std::move(warnings));
+  return made;
+}
+
+}  // namespace
 
 SdfReport Sdf::report() const {
   SdfReport r;
@@ -406,10 +429,7 @@ ShapeKind geom_sdf() {
           "{ mesh = | shape = | fn = | buffer =, size =, spacing =, adaptive =, tolerance =, acquire = }",
           "any solid by its distances on a grid, for bodies that are not convex",
           {},
-          [](const ShapeInput& in) -> ShapePtr {
-            return std::make_shared<Sdf>(DistanceField::from_content(in.content),
-                                         in.sizes.empty() ? Real(-1) : in.size(0), std::vector<std::string>{});
-          },
+          from_content,
           [] {
             SdfDesc torus, box;
             torus.function = [](double x, double y, double z) {

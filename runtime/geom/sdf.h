@@ -19,7 +19,7 @@ class Sdf final : public Shape {
   static constexpr std::size_t kSamples = 800, kMostSamples = 12000;  // of plain shapes, and of detailed ones
 
   // SceneError when the field has no inside.
-  Sdf(DistanceField field, Real error, std::vector<std::string> warnings);
+  explicit Sdf(DistanceField field);
 
   // What its maker found, before it is shared.
   void certify(Real error, std::vector<std::string> warnings) { error_ = error, warnings_ = std::move(warnings); }
@@ -65,7 +65,7 @@ class Sdf final : public Shape {
   Vec3 slope_across(const Vec3& p, Real d) const;
 
   DistanceField field_;
-  Real error_;
+  Real error_ = -1;
   std::vector<std::string> warnings_;
   Aabb box_;
   std::vector<Sample> samples_;
@@ -85,6 +85,8 @@ ShapePtr build_sdf(const SdfDesc& desc);
 ShapePtr build_sdf_at(const SdfDesc& desc, const Vec3& middle);  // of a function alone, in a box about `middle`
 ShapePtr combine_sdf(SdfOperation operation, const Shape& a, const Shape& b, const Pose& place_b);
 ShapePtr offset_sdf(const Shape& a, Real distance);
+inline constexpr Real kFineBand = Real(1.05);  // cells: nearer to the surface an adaptive field is finest
+DistanceField thinned(const DistanceField& dense, Real tolerance);
 // Without sign, from where the values change it.
 std::vector<float> surface_distances(const FieldLayout& at, const std::vector<float>& values);
 std::vector<ShapePtr> parts_of_sdf(const ShapePtr& field);

@@ -1,6 +1,6 @@
 // rasterise: triangles are drawn into the corners a cell around, then the nearest triangle's number is handed on in
-// eight sweeps (Bridson 2015, 4.1). exact: then, within three cells of the surface,
-// whether another is nearer is sought in the hierarchy. Signs: neighbours that are farther from the surface together
+// eight sweeps (Bridson 2015, 4.1). exact: then, within three cells of the surface, whether another is nearer is sought
+// in the hierarchy. Signs: neighbours that are farther from the surface together
 // than from each other lie on one side, so one winding number serves a whole region; rays: parity of crossings along
 // three axes, two votes of three. Weak spots: swept distances far from the surface may be those of the second nearest
 // triangle, a few per cent too large; parity is wrong where a mesh is open or crosses itself, winding where more than
@@ -16,19 +16,6 @@ namespace {
 constexpr int kBand = 1;             // cells
 constexpr Real kSearched = Real(3);  // cells: farther out a few per cent do not matter
 
-std::size_t index_of(const FieldLayout& at, int x, int y, int z) {
-  return std::size_t(x) + std::size_t(at.n[0]) * (std::size_t(y) + std::size_t(at.n[1]) * std::size_t(z));
-}
-
-// Corners of the grid within `reach` of a box, clipped.
-void range_of(const FieldLayout& at, const Aabb& box, Real reach, int (&lo)[3], int (&hi)[3]) {
-  for (int k = 0; k < 3; ++k) {
-    const auto corner = [&](Real x) { return std::clamp((x - at.origin[k]) / at.spacing, Real(-1), Real(at.n[k])); };
-    lo[k] = std::max(0, static_cast<int>(std::ceil(corner(box.lo[k] - reach))));
-    hi[k] = std::min(at.n[k] - 1, static_cast<int>(std::floor(corner(box.hi[k] + reach))));
-  }
-}
-
 std::vector<float> rasterised(const TriangleField& triangles, const FieldLayout& at) {
   std::vector<float> values(at.corners(), std::numeric_limits<float>::infinity());
   std::vector<std::uint32_t> nearest(at.corners(), kNone);
@@ -41,10 +28,10 @@ std::vector<float> rasterised(const TriangleField& triangles, const FieldLayout&
     Aabb box;
     for (std::size_t k = 0; k < 3; ++k) box.include(corners[3 * std::size_t(t) + k]);
     int lo[3], hi[3];
-    range_of(at, box, kBand * at.spacing, lo, hi);
+    at.range(box, kBand * at.spacing, lo, hi);
     for (int z = lo[2]; z <= hi[2]; ++z)
       for (int y = lo[1]; y <= hi[1]; ++y)
-        for (int x = lo[0]; x <= hi[0]; ++x) offer(index_of(at, x, y, z), at.corner(x, y, z), t);
+        for (int x = lo[0]; x <= hi[0]; ++x) offer(at.index(x, y, z), at.corner(x, y, z), t);
   }
   float way[8];  // to the neighbour, m
   for (int from = 0; from < 8; ++from)
@@ -55,13 +42,13 @@ std::vector<float> rasterised(const TriangleField& triangles, const FieldLayout&
     for (int z = first(2); z >= 0 && z < at.n[2]; z += step[2])
       for (int y = first(1); y >= 0 && y < at.n[1]; y += step[1])
         for (int x = first(0); x >= 0 && x < at.n[0]; x += step[0]) {
-          const std::size_t i = index_of(at, x, y, z);
+          const std::size_t i = at.index(x, y, z);
           std::uint32_t tried = nearest[i];
           const Vec3 p = at.corner(x, y, z);
           for (int from = 1; from < 8; ++from) {
             const int a = from & 1 ? x - step[0] : x, b = from & 2 ? y - step[1] : y, c = from & 4 ? z - step[2] : z;
             if (a < 0 || b < 0 || c < 0 || a >= at.n[0] || b >= at.n[1] || c >= at.n[2]) continue;
-            const std::size_t j = index_of(at, a, b, c);
+            const std::size_t j = at.index(a, b, c);
             const std::uint32_t t = nearest[j];
             // no nearer here than there by more than the way
             if (t == kNone || t == nearest[i] || t == tried || values[j] - way[from] >= values[i]) continue;
@@ -90,15 +77,12 @@ double sign_by_winding(const TriangleField& triangles, const FieldLayout& at, st
   std::vector<std::uint8_t> seen(values.size(), 0);
   std::vector<std::uint32_t> open;
   double most = 0;
-  const std::size_t stride[3] = {1, std::size_t(at.n[0]), std::size_t(at.n[0]) * std::size_t(at.n[1])};
   const auto apart = static_cast<float>(at.spacing * Real(1.001));
   for (std::size_t start = 0; start < values.size(); ++start) {
     if (seen[start]) continue;
-    const auto place = [&](std::size_t i) {
-      return at.corner(static_cast<int>(i % stride[1]), static_cast<int>(i / stride[1] % std::size_t(at.n[1])),
-                       static_cast<int>(i / stride[2]));
-    };
-    const double turns = triangles.winding(place(start));
+    int corner[3];
+    at.place_of(start, corner);
+    const double turns = triangles.winding(at.corner(corner[0], corner[1], corner[2]));
     most = std::max(most, turns);
     const bool inside = turns > 0.5;
     seen[start] = 1;
@@ -107,12 +91,11 @@ double sign_by_winding(const TriangleField& triangles, const FieldLayout& at, st
       const std::size_t i = open.back();
       open.pop_back();
       const float d = std::abs(values[i]);
-      const int corner[3] = {static_cast<int>(i % stride[1]), static_cast<int>(i / stride[1] % std::size_t(at.n[1])),
-                             static_cast<int>(i / stride[2])};
+      at.place_of(i, corner);
       for (int k = 0; k < 3; ++k)
         for (const int step : {-1, 1}) {
           if (corner[k] + step < 0 || corner[k] + step >= at.n[k]) continue;
-          const std::size_t j = step > 0 ? i + stride[k] : i - stride[k];
+          const std::size_t j = step > 0 ? i + at.stride(k) : i - at.stride(k);
           if (seen[j] || !(d + values[j] > apart)) continue;  // not seen: not yet negative
           seen[j] = 1;
           open.push_back(static_cast<std::uint32_t>(j));
@@ -149,7 +132,7 @@ void vote_along(const TriangleField& triangles, const FieldLayout& at, int axis,
       box.include(corners[t + k]);
     }
     int lo[3], hi[3];
-    range_of(at, box, 0, lo, hi);
+    at.range(box, 0, lo, hi);
     for (int j = lo[v]; j <= hi[v]; ++j)
       for (int i = lo[u]; i <= hi[u]; ++i) {
         const double p[2] = {double(at.origin[u] + at.spacing * Real(i)), double(at.origin[v] + at.spacing * Real(j))};
@@ -185,7 +168,7 @@ void vote_along(const TriangleField& triangles, const FieldLayout& at, int axis,
       const double x = double(at.origin[axis] + at.spacing * Real(i));
       while (passed < end && crossings[passed].at < x) ++passed;
       place[axis] = i;
-      if ((passed - first) % 2) ++votes[index_of(at, place[0], place[1], place[2])];
+      if ((passed - first) % 2) ++votes[at.index(place[0], place[1], place[2])];
     }
   }
 }

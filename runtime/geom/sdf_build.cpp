@@ -19,9 +19,8 @@ constexpr Real kMostUneven = 10000;            // sides of a box
 constexpr std::uint64_t kAdaptiveFactor = 16;  // corners that an adaptive field may have more, where they were dense
 constexpr double kSlopeSlack = 0.05;
 constexpr int kProbes = 2000;
-constexpr Real kThin = Real(0.6);           // of a cell: no deeper a cell below the surface, and the wall is thin
-constexpr double kThinShare = 0.05;         // of the probes
-constexpr Real kAdaptiveBand = Real(1.05);  // cells
+constexpr Real kThin = Real(0.6);    // of a cell: no deeper a cell below the surface, and the wall is thin
+constexpr double kThinShare = 0.05;  // of the probes
 
 std::string text(double x) {
   char out[32];
@@ -108,7 +107,7 @@ double thin_share(const DistanceField& field, const std::vector<Vec3>& at, const
 }
 
 ShapePtr finish(DistanceField field, const Truth& truth, std::vector<std::string> warnings) {
-  const auto shape = std::make_shared<Sdf>(std::move(field), -1, std::vector<std::string>{});
+  const auto shape = std::make_shared<Sdf>(std::move(field));
   std::vector<Vec3> at = truth.probes, normals = truth.normals;
   if (at.empty())
     for (const Sdf::Sample& s : shape->samples()) at.push_back(s.at), normals.push_back(s.normal);
@@ -124,14 +123,13 @@ ShapePtr finish(DistanceField field, const Truth& truth, std::vector<std::string
 
 Real ask_truth(const void* truth, const Vec3& p) { return static_cast<const Truth*>(truth)->distance(p); }
 
+std::vector<float> values_of(const FieldLayout& at, const Truth& truth) {
+  return at.values([&](int x, int y, int z) { return truth.distance(at.corner(x, y, z)); });
+}
+
 DistanceField sampled(const FieldLayout& at, const SdfDesc& d, const Truth& truth) {
-  if (d.adaptive) return DistanceField::adaptive(at, kAdaptiveBand * at.spacing, d.tolerance, ask_truth, &truth);
-  std::vector<float> values;
-  values.reserve(at.corners());
-  for (int z = 0; z < at.n[2]; ++z)
-    for (int y = 0; y < at.n[1]; ++y)
-      for (int x = 0; x < at.n[0]; ++x) values.push_back(static_cast<float>(truth.distance(at.corner(x, y, z))));
-  return DistanceField(at, std::move(values));
+  if (d.adaptive) return DistanceField::adaptive(at, kFineBand * at.spacing, d.tolerance, ask_truth, &truth);
+  return DistanceField(at, values_of(at, truth));
 }
 
 // --- meshes
@@ -183,26 +181,22 @@ ShapePtr from_triangles(const SdfDesc& d, const TriangleField& mesh) {
     warnings.push_back("parts of the mesh lie in each other (it goes round " + text(std::round(got.most_turns)) +
                        " times in places): they count as inside once");
   DistanceField dense(at, std::move(got.values));
-  if (!d.adaptive) return finish(std::move(dense), truth, std::move(warnings));
-  Truth own;
-  own.distance = [&](const Vec3& p) { return dense.at(p); };
-  return finish(sampled(at, d, own), truth, std::move(warnings));
+  return finish(d.adaptive ? thinned(dense, d.tolerance) : std::move(dense), truth, std::move(warnings));
 }
 
 // --- functions and values
 
 // Mean of | |slope| - 1 | at the corners of edges that the surface crosses.
 double slope_error(const FieldLayout& at, const std::vector<float>& v) {
-  const std::size_t stride[3] = {1, std::size_t(at.n[0]), std::size_t(at.n[0]) * std::size_t(at.n[1])};
   double sum = 0;
   std::size_t count = 0;
   for (int z = 1; z + 1 < at.n[2]; ++z)
     for (int y = 1; y + 1 < at.n[1]; ++y)
       for (int x = 1; x + 1 < at.n[0]; ++x) {
-        const std::size_t i = std::size_t(x) + stride[1] * std::size_t(y) + stride[2] * std::size_t(z);
+        const std::size_t i = at.index(x, y, z);
         bool crossed = false;
         double square = 0;
-        for (const std::size_t s : stride) {
+        for (const std::size_t s : {at.stride(0), at.stride(1), at.stride(2)}) {
           crossed = crossed || (v[i] < 0) != (v[i + s] < 0);
           const double d = (double(v[i + s]) - double(v[i - s])) / (2 * double(at.spacing));
           square += d * d;
@@ -217,9 +211,7 @@ void check_rim(const FieldLayout& at, const std::vector<float>& v) {
     for (int y = 0; y < at.n[1]; ++y)
       for (int x = 0; x < at.n[0]; ++x) {
         const bool rim = x == 0 || y == 0 || z == 0 || x + 1 == at.n[0] || y + 1 == at.n[1] || z + 1 == at.n[2];
-        if (!rim ||
-            !(v[std::size_t(x) + std::size_t(at.n[0]) * (std::size_t(y) + std::size_t(at.n[1]) * std::size_t(z))] < 0))
-          continue;
+        if (!rim || !(v[at.index(x, y, z)] < 0)) continue;
         const Vec3 p = at.corner(x, y, z);
         fail_sdf("the solid reaches the rim of its box at (" + text(p[0]) + ", " + text(p[1]) + ", " + text(p[2]) +
                  "); expected values above 0 there: give a larger size");
@@ -273,10 +265,9 @@ void correct(const FieldLayout& at, std::vector<float>& values, Truth& truth) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     const float exact = std::copysign(measured.values[i], values[i] < 0 ? -1.0f : 1.0f);  // the sign as it was given
     if (!(std::abs(values[i] - exact) > most)) continue;
-    const auto row = std::size_t(at.n[0]), layer = row * std::size_t(at.n[1]);
-    if (most > 0 && !beside(at.corner(static_cast<int>(i % row), static_cast<int>(i / row % std::size_t(at.n[1])),
-                                      static_cast<int>(i / layer))))
-      continue;
+    int c[3];
+    at.place_of(i, c);
+    if (most > 0 && !beside(at.corner(c[0], c[1], c[2]))) continue;
     values[i] = exact, ++changed;
   }
   if (changed == 0) return;
@@ -292,10 +283,7 @@ ShapePtr from_values(const SdfDesc& d, const FieldLayout& at, std::vector<float>
   check_rim(at, values);
   correct(at, values, truth);
   DistanceField dense(at, std::move(values));
-  if (!d.adaptive) return finish(std::move(dense), truth, {});
-  Truth own;
-  own.distance = [&](const Vec3& p) { return dense.at(p); };
-  return finish(sampled(at, d, own), truth, {});
+  return finish(d.adaptive ? thinned(dense, d.tolerance) : std::move(dense), truth, {});
 }
 
 FieldLayout layout_of_size(const SdfDesc& d, const Vec3& middle) {
@@ -328,12 +316,7 @@ ShapePtr from_function(const SdfDesc& d, const Vec3& middle) {
                text(v));
     return Real(v);
   };
-  std::vector<float> values;
-  values.reserve(at.corners());
-  for (int z = 0; z < at.n[2]; ++z)
-    for (int y = 0; y < at.n[1]; ++y)
-      for (int x = 0; x < at.n[0]; ++x) values.push_back(static_cast<float>(truth.distance(at.corner(x, y, z))));
-  return from_values(d, at, std::move(values), truth);
+  return from_values(d, at, values_of(at, truth), truth);
 }
 
 ShapePtr from_given(const SdfDesc& d) {
@@ -367,15 +350,15 @@ ShapePtr from_shape(const SdfDesc& d) {
   const FieldLayout at = layout_around(box, spacing, kPadding, d.adaptive);
   if (d.shape->parts().size() < 2) return finish(sampled(at, d, truth), truth, {});
   // parts may lie in each other: the least of their distances is none of the whole
-  std::vector<float> values;
-  values.reserve(at.corners());
-  for (int z = 0; z < at.n[2]; ++z)
-    for (int y = 0; y < at.n[1]; ++y)
-      for (int x = 0; x < at.n[0]; ++x) values.push_back(static_cast<float>(truth.distance(at.corner(x, y, z))));
-  return from_values(d, at, std::move(values), truth);
+  return from_values(d, at, values_of(at, truth), truth);
 }
 
 }  // namespace
+
+DistanceField thinned(const DistanceField& dense, Real tolerance) {
+  const auto ask = [](const void* from, const Vec3& p) { return static_cast<const DistanceField*>(from)->at(p); };
+  return DistanceField::adaptive(dense.layout(), kFineBand * dense.layout().spacing, tolerance, ask, &dense);
+}
 
 ShapePtr build_sdf_at(const SdfDesc& d, const Vec3& middle) { return from_function(d, middle); }
 

@@ -29,24 +29,16 @@ ShapePtr resampled(const Aabb& box, Real spacing, bool adaptive, const std::func
 ShapePtr cut_from(const Sdf& a, const Shape& b, const Pose& place_b) {
   const FieldLayout& at = a.field().layout();
   std::vector<float> values = a.field().values();
-  Aabb box = b.bounds(place_b);
-  box.grow(kPad * at.spacing);
   int lo[3], hi[3];
-  for (int k = 0; k < 3; ++k) {
-    const auto corner = [&](Real x) { return std::clamp((x - at.origin[k]) / at.spacing, Real(-1), Real(at.n[k])); };
-    lo[k] = std::max(0, static_cast<int>(std::ceil(corner(box.lo[k]))));
-    hi[k] = std::min(at.n[k] - 1, static_cast<int>(std::floor(corner(box.hi[k]))));
-  }
+  at.range(b.bounds(place_b), kPad * at.spacing, lo, hi);
   for (int z = lo[2]; z <= hi[2]; ++z)
     for (int y = lo[1]; y <= hi[1]; ++y)
       for (int x = lo[0]; x <= hi[0]; ++x) {
         Vec3 normal;
-        float& v =
-            values[std::size_t(x) + std::size_t(at.n[0]) * (std::size_t(y) + std::size_t(at.n[1]) * std::size_t(z))];
-        const Real d = b.distance(to_local(place_b, at.corner(x, y, z)), kInfinity, normal);
-        v = std::max(v, static_cast<float>(-d));
+        float& v = values[at.index(x, y, z)];
+        v = std::max(v, static_cast<float>(-b.distance(to_local(place_b, at.corner(x, y, z)), kInfinity, normal)));
       }
-  return std::make_shared<Sdf>(DistanceField(at, std::move(values)), Real(-1), std::vector<std::string>{});
+  return std::make_shared<Sdf>(DistanceField(at, std::move(values)));
 }
 
 }  // namespace
@@ -103,20 +95,15 @@ std::vector<float> alone(const FieldLayout& at, const std::vector<float>& values
                          const std::vector<std::uint32_t>& part, std::uint32_t number) {
   std::vector<float> own = values;
   std::vector<std::uint8_t> near(values.size(), 0);  // to a corner of another
-  const int n[3] = {at.n[0], at.n[1], at.n[2]};
-  const auto index = [&](int x, int y, int z) {
-    return std::size_t(x) + std::size_t(n[0]) * (std::size_t(y) + std::size_t(n[1]) * std::size_t(z));
-  };
-  for (int z = 0; z < n[2]; ++z)
-    for (int y = 0; y < n[1]; ++y)
-      for (int x = 0; x < n[0]; ++x) {
-        const std::size_t i = index(x, y, z);
-        if (!(values[i] < 0) || part[i] == number) continue;
-        own[i] = static_cast<float>(at.spacing);
-        for (int c = std::max(z - 1, 0); c <= std::min(z + 1, n[2] - 1); ++c)
-          for (int b = std::max(y - 1, 0); b <= std::min(y + 1, n[1] - 1); ++b)
-            for (int a = std::max(x - 1, 0); a <= std::min(x + 1, n[0] - 1); ++a) near[index(a, b, c)] = 1;
-      }
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (!(values[i] < 0) || part[i] == number) continue;
+    own[i] = static_cast<float>(at.spacing);
+    int c[3];
+    at.place_of(i, c);
+    for (int z = std::max(c[2] - 1, 0); z <= std::min(c[2] + 1, at.n[2] - 1); ++z)
+      for (int y = std::max(c[1] - 1, 0); y <= std::min(c[1] + 1, at.n[1] - 1); ++y)
+        for (int x = std::max(c[0] - 1, 0); x <= std::min(c[0] + 1, at.n[0] - 1); ++x) near[at.index(x, y, z)] = 1;
+  }
   const std::vector<float> measured = surface_distances(at, own);
   const auto cut_off = static_cast<float>(Real(1.2) * at.spacing);  // of a corner, by the cells' chamfer
   for (std::size_t i = 0; i < own.size(); ++i)
@@ -135,12 +122,8 @@ std::vector<ShapePtr> parts_of_sdf(const ShapePtr& field) {
   std::vector<float> values = of.values();
   if (of.is_adaptive()) {
     if (at.corners() > kMostSdfCorners) return {field};
-    values.reserve(at.corners());
-    for (int z = 0; z < at.n[2]; ++z)
-      for (int y = 0; y < at.n[1]; ++y)
-        for (int x = 0; x < at.n[0]; ++x) values.push_back(static_cast<float>(of.at(at.corner(x, y, z))));
+    values = at.values([&](int x, int y, int z) { return of.at(at.corner(x, y, z)); });
   }
-  const std::size_t stride[3] = {1, std::size_t(at.n[0]), std::size_t(at.n[0]) * std::size_t(at.n[1])};
   std::vector<std::uint32_t> part(values.size(), 0), open;
   struct Found {
     std::uint32_t number;
@@ -156,30 +139,25 @@ std::vector<ShapePtr> parts_of_sdf(const ShapePtr& field) {
       const std::size_t i = open.back();
       open.pop_back();
       ++found.back().corners;
-      const std::size_t corner[3] = {i % stride[1], i / stride[1] % std::size_t(at.n[1]), i / stride[2]};
+      int corner[3];
+      at.place_of(i, corner);
       for (int k = 0; k < 3; ++k)
         for (const bool up : {false, true}) {
-          if (up ? corner[k] + 1 >= std::size_t(at.n[k]) : corner[k] == 0) continue;
-          const std::size_t j = up ? i + stride[k] : i - stride[k];
+          if (up ? corner[k] + 1 >= at.n[k] : corner[k] == 0) continue;
+          const std::size_t j = up ? i + at.stride(k) : i - at.stride(k);
           if (!(values[j] < 0) || part[j] > 0) continue;
           part[j] = number, open.push_back(static_cast<std::uint32_t>(j));
         }
     }
   }
   std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.corners > b.corners; });
+  const std::size_t all = found.size();
   while (found.size() > 1 && found.back().corners < kDust) found.pop_back();
-  const bool dust = std::any_of(part.begin(), part.end(), [&](std::uint32_t p) { return p > found.size(); });
-  if (found.size() < 2 && !dust) return {field};
+  if (all < 2) return {field};
   std::vector<ShapePtr> out;
   for (const Found& f : found) {
     DistanceField dense(at, alone(at, values, part, f.number));
-    if (!of.is_adaptive()) {
-      out.push_back(std::make_shared<Sdf>(std::move(dense), Real(-1), std::vector<std::string>{}));
-      continue;
-    }
-    const auto ask = [](const void* from, const Vec3& p) { return static_cast<const DistanceField*>(from)->at(p); };
-    out.push_back(std::make_shared<Sdf>(DistanceField::adaptive(at, Real(1.05) * at.spacing, 0, ask, &dense), Real(-1),
-                                        std::vector<std::string>{}));
+    out.push_back(std::make_shared<Sdf>(of.is_adaptive() ? thinned(dense, 0) : std::move(dense)));
   }
   return out;
 }

@@ -1,8 +1,8 @@
 // A convex shape against a distance field: surface samples of the field in the convex shape's distance; the least value
 // of the field over the convex core, sought from its middle and from the deepest samples (Frank and Wolfe), which finds
 // corners and edges; and the corners of the face that looks that way, so that boxes rest on four points.
-// Keeps nothing between calls. Weak spot: of a shape much larger than the field's details, four manifolds of the
-// deepest are kept.
+// Keeps nothing between calls. Weak spot: of a shape much larger than the field's details, the four normals that differ
+// most are kept.
 #include "geom/width.h"
 #include "narrow/field_contact.h"
 #include "narrow/narrow_phase.h"
@@ -31,10 +31,8 @@ int convex_sdf(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& p
   contacts.add_samples(other);
 
   // the core's nearest points
-  Vec3 start[kStarts + 1];
-  int starts = 0;
-  const Vec3 middle = inner_point(a);
-  start[starts++] = to_world(place, middle);
+  Vec3 start[kStarts + 1] = {to_world(place, inner_point(a))};
+  int starts = 1;
   FieldCandidate deep[kStarts];
   const int deepest = contacts.deepest(deep, kStarts);
   for (int i = 0; i < deepest; ++i) {
@@ -48,8 +46,7 @@ int convex_sdf(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& p
     Vec3 at, n;
     const Real d = least_over_convex(field.field(), Convex(a), place, start[i], at, n);
     if (d - a.radius() > margin) continue;
-    const Vec3 local = to_local(place, at);
-    contacts.add(of_core(at, d, a.radius(), n, feature_of(local)));
+    contacts.add(of_core(at, d, a.radius(), n, feature_of(to_local(place, at))));
     Vec3 corner[kMaxFacePoints];
     const int corners = a.face(rotate_inverse(place.rotation, -n), corner);
     for (int k = 0; k < corners; ++k) {

@@ -1,7 +1,7 @@
 // Deepest first: a candidate stands when nothing deeper close by pushes another way, so that beside a corner or an edge
 // only its own contact is left. Normals within some ten degrees share a manifold. Keeps nothing between calls.
-// Weak spots: a contact along a curve is four points; descent follows the slopes of trilinear values, which change by
-// up to .7 h/q between cells, so that the place of a contact is known to about a fifth of a cell.
+// Weak spots: a contact along a curve is four points, one all round a thread four of its sides; samples stop at the
+// rim of a sharp edge, up to a cell inside.
 #include "narrow/field_contact.h"
 
 #include <algorithm>
@@ -14,7 +14,6 @@ namespace feder {
 namespace {
 
 constexpr Real kOneNormal = Real(0.985);  // cosine: one manifold
-constexpr Real kOpposed = Real(-0.3);     // cosine of the two normals of a contact, at least
 constexpr int kDescent = 10;              // steps of a descent
 constexpr int kFrankWolfe = 12, kSearch = 5;
 
@@ -56,39 +55,63 @@ void FieldContacts::add(const FieldCandidate& c) {
   candidates_[count_++] = c;
 }
 
-void FieldContacts::add_samples(const OtherField& other) {
-  const auto samples = field_.samples();
-  const auto near = [&](const Aabb& box) {
-    const Vec3 half = (box.hi - box.lo) / 2;
-    return other.distance(box.lo + half) <= length(half) + margin_;
-  };
-  field_.sample_tree().query_if(near, [&](std::uint32_t i) {
-    const Sdf::Sample& s = samples[i];
+void FieldContacts::add_samples(const PlacedShape& other) {
+  const auto distance = [&](const Vec3& p) { return other.distance(p); };
+  each_sample_near(field_, margin_, distance, [&](std::uint32_t i, const Sdf::Sample& s) {
     Vec3 n;
-    if (!(other.distance(s.at) <= margin_)) return;
     const Real d = other.distance(s.at, n);
-    if (dot(n, s.normal) > kOpposed) return;
-    add({s.at - d / 2 * n, -n, d, (i + 1) * 2654435761u});
+    if (dot(n, s.normal) <= kOpposed) add({s.at - d / 2 * n, -n, d, (i + 1) * 2654435761u});
   });
+}
+
+void FieldContacts::group(Groups& groups) {
+  std::sort(candidates_, candidates_ + count_, deeper);
+  groups.count = 0;
+  for (int i = 0; i < count_; ++i) {
+    int g = 0;
+    while (g < groups.count && !one_normal(candidates_[groups.first[g]].normal, candidates_[i].normal)) ++g;
+    if (g == groups.count) groups.first[groups.count++] = i;
+    groups.of[i] = g;
+  }
+}
+
+// What does not stand goes; groups of which nothing is left too.
+void FieldContacts::drop_beside(Groups& groups) {
+  const Real near = Real(1.1) * field_.sample_spacing();
+  int number[kMost], kept = 0, left = 0;
+  std::fill(number, number + groups.count, -1);
+  for (int i = 0; i < count_; ++i) {
+    bool stands = true;
+    for (int k = 0; k < kept && stands; ++k)
+      stands = groups.of[k] == groups.of[i] || length(candidates_[i].at - candidates_[k].at) >= near;
+    if (!stands) continue;
+    groups.of[kept] = groups.of[i];
+    candidates_[kept++] = candidates_[i];
+  }
+  count_ = kept;
+  for (int i = 0; i < count_; ++i) {
+    int& of = number[groups.of[i]];
+    if (of < 0) of = left, groups.first[left++] = i;
+    groups.of[i] = of;
+  }
+  groups.count = left;
 }
 
 // The order in which normals count: the deepest, then that which is most unlike those before it among all that are
 // nearly as deep (the walls round a peg, the flanks of a thread), then the rest by depth.
-int FieldContacts::spread(const int* first, int groups, int most, int* chosen) const {
-  const Real near = candidates_[first[0]].separation + margin_ / 4;
+int FieldContacts::spread(const Groups& groups, int most, int* chosen) const {
+  const Real near = candidates_[groups.first[0]].separation + margin_ / 4;
   bool taken[kMost] = {};
   int count = 0;
-  while (count < most && count < groups) {
+  while (count < most && count < groups.count) {
     int best = -1;
     Real unlike = -kInfinity;
-    for (int g = 0; g < groups; ++g) {
+    for (int g = 0; g < groups.count; ++g) {
       if (taken[g]) continue;
-      const FieldCandidate& c = candidates_[first[g]];
-      Real value = 2;
-      if (c.separation <= near)
-        for (int k = 0; k < count; ++k)
-          value = std::min(value, 1 - dot(c.normal, candidates_[first[chosen[k]]].normal));
-      if (c.separation > near) value = -1 - std::max(c.separation, Real(0));
+      const FieldCandidate& c = candidates_[groups.first[g]];
+      Real value = c.separation <= near ? Real(2) : -1 - std::max(c.separation, Real(0));
+      for (int k = 0; k < count && c.separation <= near; ++k)
+        value = std::min(value, 1 - dot(c.normal, candidates_[groups.first[chosen[k]]].normal));
       if (value > unlike) unlike = value, best = g;
     }
     taken[best] = true;
@@ -97,58 +120,36 @@ int FieldContacts::spread(const int* first, int groups, int most, int* chosen) c
   return count;
 }
 
+// The candidates that carry a normal. A foot stands on what is down, not on its rim.
+int FieldContacts::four_of(const Groups& groups, int group, int* chosen) const {
+  ManifoldPoint points[kMost];
+  int index[kMost], of = 0, down = 0;
+  for (int k = 0; k < count_; ++k) {
+    if (groups.of[k] != group) continue;
+    points[of] = {candidates_[k].at, candidates_[k].separation, candidates_[k].feature};
+    index[of++] = k;
+  }
+  FEDER_ASSERT(of > 0);
+  while (down < of && points[down].separation <= points[0].separation + margin_ / 4) ++down;
+  if (down >= kMaxManifoldPoints) of = down;
+  const int count = reduce_indices({points, static_cast<std::size_t>(of)}, candidates_[index[0]].normal, chosen);
+  for (int k = 0; k < count; ++k) chosen[k] = index[chosen[k]];
+  return count;
+}
+
 // To those that stand, at most kKept: the four that carry each of eight normals.
 void FieldContacts::thin_out() {
-  std::sort(candidates_, candidates_ + count_, deeper);
-  int group[kMost], first[kMost], groups = 0;
-  for (int i = 0; i < count_; ++i) {
-    int g = 0;
-    while (g < groups && !one_normal(candidates_[first[g]].normal, candidates_[i].normal)) ++g;
-    if (g == groups) first[groups++] = i;
-    group[i] = g;
-  }
-  if (groups > 1) {
-    const Real near = Real(1.1) * field_.sample_spacing();
-    int kept = 0;
-    for (int i = 0; i < count_; ++i) {
-      bool stands = true;
-      for (int k = 0; k < kept && stands; ++k)
-        stands = group[k] == group[i] || length(candidates_[i].at - candidates_[k].at) >= near;
-      if (!stands) continue;
-      group[kept] = group[i];
-      candidates_[kept++] = candidates_[i];
-    }
-    count_ = kept;
-  }
+  Groups groups;
+  group(groups);
+  if (groups.count > 1) drop_beside(groups);
   if (count_ <= kKept) return;
-  // groups that are left, by depth
-  int number[kMost], left = 0;
-  std::fill(number, number + groups, -1);
-  for (int i = 0; i < count_; ++i) {
-    if (number[group[i]] < 0) number[group[i]] = left, first[left++] = i;
-    group[i] = number[group[i]];
-  }
-  groups = left;
-  int order[kKeptNormals];
-  const int normals = spread(first, groups, kKeptNormals, order);
   FieldCandidate out[kKept];
-  int found = 0;
+  int order[kKeptNormals], found = 0;
+  const int normals = spread(groups, kKeptNormals, order);
   for (int n = 0; n < normals; ++n) {
-    const int g = order[n];
-    ManifoldPoint points[kMost];
-    int index[kMost], of = 0;
-    for (int k = 0; k < count_; ++k) {
-      if (group[k] != g) continue;
-      points[of] = {candidates_[k].at, candidates_[k].separation, candidates_[k].feature};
-      index[of++] = k;
-    }
-    FEDER_ASSERT(of > 0);
-    int down = 0;
-    while (down < of && points[down].separation <= points[0].separation + margin_ / 4) ++down;
-    if (down >= kMaxManifoldPoints) of = down;
     int chosen[kMaxManifoldPoints];
-    const int four = reduce_indices({points, static_cast<std::size_t>(of)}, candidates_[index[0]].normal, chosen);
-    for (int k = 0; k < four; ++k) out[found++] = candidates_[index[chosen[k]]];
+    const int count = four_of(groups, order[n], chosen);
+    for (int k = 0; k < count; ++k) out[found++] = candidates_[chosen[k]];
   }
   std::copy(out, out + found, candidates_);
   count_ = found;
@@ -172,12 +173,12 @@ int FieldContacts::deepest(FieldCandidate* out, int most) const {
 
 // The sum of the two distances has a least value where their slopes are opposite; its gradient is the sum of the
 // slopes, the step is Barzilai and Borwein's (1988).
-void FieldContacts::refine(const OtherField& other) {
+void FieldContacts::refine(const PlacedShape& other) {
   thin_out();
   const Real far = field_.sample_spacing();
   for (int i = 0; i < count_; ++i) {
     FieldCandidate& c = candidates_[i];
-    Vec3 x = c.at, last_x = x, last_g = Vec3::Zero();
+    Vec3 x = c.at, last_x = x, last_g = x;  // not read before they are set
     Real step = far;
     for (int k = 0; k < kDescent; ++k) {
       Vec3 na, nb;
@@ -195,12 +196,10 @@ void FieldContacts::refine(const OtherField& other) {
         const Real curved = dot(dx, dg);
         step = curved > 0 ? std::min(dot(dx, dx) / curved, 4 * far) : 2 * step;
       }
-      last_x = x, last_g = g;
       Vec3 move = -step * g;
-      const Real length_of = length(move);
-      if (length_of > far) move *= far / length_of;
+      if (length(move) > far) move *= far / length(move);
+      last_x = c.at, last_g = g;
       x = c.at + move;
-      last_x = c.at;
       if (length(move) < Real(2e-3) * far || length(x - c.at) > 3 * far) break;
     }
   }
@@ -217,35 +216,26 @@ void FieldContacts::refine(const OtherField& other) {
 }
 
 int FieldContacts::finish(const Pose& pose, Real sign, Manifold* out) {
-  if (count_ == 0) return 0;
   thin_out();
-  const Mat3 r = to_matrix(pose.rotation);
-  std::sort(candidates_, candidates_ + count_, deeper);
-  while (count_ > 0 && candidates_[count_ - 1].separation > margin_) --count_;
+  count_ = static_cast<int>(std::remove_if(candidates_, candidates_ + count_,
+                                           [&](const FieldCandidate& c) { return !(c.separation <= margin_); }) -
+                            candidates_);
   if (count_ == 0) return 0;
-  int group[kMost], first[kMost], groups = 0, order[kMaxManifolds];
-  for (int i = 0; i < count_; ++i) {
-    int g = 0;
-    while (g < groups && !one_normal(candidates_[first[g]].normal, candidates_[i].normal)) ++g;
-    if (g == groups) first[groups++] = i;
-    group[i] = g;
-  }
-  const int manifolds = spread(first, groups, kMaxManifolds, order);
+  const Mat3 r = to_matrix(pose.rotation);
+  Groups groups;
+  group(groups);
+  int order[kMaxManifolds];
+  const int manifolds = spread(groups, kMaxManifolds, order);
   for (int n = 0; n < manifolds; ++n) {
-    ManifoldPoint points[kMost];
-    int of = 0;
-    for (int k = 0; k < count_; ++k)
-      if (group[k] == order[n]) points[of++] = {candidates_[k].at, candidates_[k].separation, candidates_[k].feature};
-    // a foot stands on what is down, not on its rim
-    int down = 0;
-    while (down < of && points[down].separation <= points[0].separation + margin_ / 4) ++down;
-    if (down >= kMaxManifoldPoints) of = down;
+    int chosen[kMaxManifoldPoints];
     Manifold& m = out[n];
-    const Vec3& normal = candidates_[first[order[n]]].normal;
     m.surface = 0;
-    reduce_points({points, static_cast<std::size_t>(of)}, normal, m);
-    m.normal = sign * (r * normal);
-    for (int k = 0; k < m.count; ++k) m.points[k].position = pose.position + r * m.points[k].position;
+    m.normal = sign * (r * candidates_[groups.first[order[n]]].normal);
+    m.count = four_of(groups, order[n], chosen);
+    for (int k = 0; k < m.count; ++k) {
+      const FieldCandidate& c = candidates_[chosen[k]];
+      m.points[k] = {pose.position + r * c.at, c.separation, c.feature};
+    }
   }
   return manifolds;
 }

@@ -8,25 +8,17 @@
 
 namespace feder {
 
-// Distance of a place in the frame of the field from the other shape's surface, and the direction in which it grows.
-class OtherField {
- public:
-  virtual ~OtherField() = default;
-  virtual Real distance(const Vec3& p, Vec3& normal) const = 0;
-  virtual Real distance(const Vec3& p) const = 0;
-};
-
-// Another shape, placed in the frame of the field.
-class PlacedShape final : public OtherField {
+// The other shape, in the frame of the field: distance of a place there, and the direction in which it grows.
+class PlacedShape {
  public:
   PlacedShape(const Shape& shape, const Pose& place)
       : shape_(shape), field_(is_sdf(shape) ? &static_cast<const Sdf&>(shape).field() : nullptr), place_(place) {}
-  Real distance(const Vec3& p) const override {
+  Real distance(const Vec3& p) const {
     Vec3 normal;
     const Vec3 local = to_local(place_, p);
     return field_ ? field_->at(local) : shape_.distance(local, kInfinity, normal);
   }
-  Real distance(const Vec3& p, Vec3& normal) const override {
+  Real distance(const Vec3& p, Vec3& normal) const {
     const Vec3 local = to_local(place_, p);
     const Real d = field_ ? field_->smooth_at(local, normal) : shape_.distance(local, kInfinity, normal);
     if (field_) normal = normalized_or(normal, Vec3(0, 1, 0));
@@ -39,6 +31,21 @@ class PlacedShape final : public OtherField {
   const DistanceField* field_;  // of a shape that is one
   const Pose& place_;
 };
+
+// Calls visit(number, sample) for the samples that may be within `margin` of what distance(place) tells.
+template <class Distance, class F>
+void each_sample_near(const Sdf& field, Real margin, Distance&& distance, F&& visit) {
+  const auto near = [&](const Aabb& box) {
+    const Vec3 half = (box.hi - box.lo) / 2;
+    return distance(Vec3(box.lo + half)) <= length(half) + margin;
+  };
+  const std::span<const Sdf::Sample> samples = field.samples();
+  field.sample_tree().query_if(near, [&](std::uint32_t i) {
+    if (distance(samples[i].at) <= margin) visit(i, samples[i]);
+  });
+}
+
+inline constexpr Real kOpposed = Real(-0.3);  // cosine of the two normals of a contact, at most
 
 struct FieldCandidate {
   Vec3 at;          // midway between the surfaces
@@ -53,9 +60,9 @@ class FieldContacts {
 
   void add(const FieldCandidate& c);
   // Samples of the field that are within the margin of the other.
-  void add_samples(const OtherField& other);
+  void add_samples(const PlacedShape& other);
   // Led to where both are nearest: only where both are smooth it moves.
-  void refine(const OtherField& other);
+  void refine(const PlacedShape& other);
   // Returns how many manifolds; normals from the field to the other, times `sign`.
   int finish(const Pose& pose, Real sign, Manifold* out);
 
@@ -66,7 +73,16 @@ class FieldContacts {
 
  private:
   static constexpr int kMost = 128, kKeptNormals = 8, kKept = kKeptNormals * kMaxManifoldPoints;
-  int spread(const int* first, int groups, int most, int* chosen) const;
+  // The candidates by depth, those with about one normal in a group: groups by their deepest.
+  struct Groups {
+    int count = 0;
+    int of[kMost];     // by candidate
+    int first[kMost];  // by group
+  };
+  void group(Groups& groups);
+  void drop_beside(Groups& groups);
+  int spread(const Groups& groups, int most, int* chosen) const;
+  int four_of(const Groups& groups, int group, int* chosen) const;
   void thin_out();
 
   const Sdf& field_;

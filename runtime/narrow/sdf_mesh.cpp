@@ -60,7 +60,7 @@ void meet_triangle(MeshField& m, std::uint32_t index) {
   m.field.sample_tree().query(box, [&](std::uint32_t i) {
     const Sdf::Sample& s = samples[i];
     const Real d = dot(up, s.at - t[0]);
-    if (!(d <= margin && d >= -deepest) || dot(up, s.normal) > Real(-0.3)) return;
+    if (!(d <= margin && d >= -deepest) || dot(up, s.normal) > kOpposed) return;
     const Weight w = weights(t, across, s.at);
     if (std::min({w.a, w.b, w.c}) < kOverTriangle) return;
     m.contacts.add({s.at - d / 2 * up, -up, d, (i + 1) * 2654435761u});

@@ -19,19 +19,13 @@ int sdf_sdf(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose
   const PlacedShape other(to, place);
   contacts.add_samples(other);
   // the other way round: points of b and slopes of a
-  const auto samples = to.samples();
-  const auto near = [&](const Aabb& node) {
-    const Vec3 half = (node.hi - node.lo) / 2;
-    return field.field().at(to_world(place, Vec3(node.lo + half))) <= length(half) + margin;
-  };
-  to.sample_tree().query_if(near, [&](std::uint32_t i) {
-    const Vec3 p = to_world(place, samples[i].at), own = rotate(place.rotation, samples[i].normal);
-    if (!(field.field().at(p) <= margin)) return;
+  const auto distance = [&](const Vec3& p) { return field.field().at(to_world(place, p)); };
+  each_sample_near(to, margin, distance, [&](std::uint32_t i, const Sdf::Sample& s) {
+    const Vec3 p = to_world(place, s.at), own = rotate(place.rotation, s.normal);
     Vec3 n;
     const Real d = field.field().smooth_at(p, n);
     n = normalized_or(n, Vec3(-own));
-    if (dot(n, own) > Real(-0.3)) return;
-    contacts.add({p - d / 2 * n, n, d, (i + 1) * 2246822519u});
+    if (dot(n, own) <= kOpposed) contacts.add({p - d / 2 * n, n, d, (i + 1) * 2246822519u});
   });
   contacts.refine(other);
   return contacts.finish(pose_a, 1, out);
