@@ -16,6 +16,8 @@ namespace {
 constexpr int kBand = 1;             // cells
 constexpr Real kSearched = Real(3);  // cells: farther out a few per cent do not matter
 
+}  // namespace
+
 std::vector<float> rasterised(const TriangleField& triangles, const FieldLayout& at) {
   std::vector<float> values(at.corners(), std::numeric_limits<float>::infinity());
   std::vector<std::uint32_t> nearest(at.corners(), kNone);
@@ -58,6 +60,8 @@ std::vector<float> rasterised(const TriangleField& triangles, const FieldLayout&
   }
   return values;
 }
+
+namespace {
 
 // Near the surface; what was swept is a bound that leaves little to search.
 void search_nearer(const TriangleField& triangles, const FieldLayout& at, std::vector<float>& values) {

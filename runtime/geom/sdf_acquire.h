@@ -12,6 +12,8 @@ struct Acquired {
   std::vector<float> values;  // m, x fastest
   double most_turns = 0;      // largest winding number asked for; above 1: parts of the mesh lie in each other
 };
+// Without sign: the band and the sweeps alone.
+std::vector<float> rasterised(const TriangleField& triangles, const FieldLayout& layout);
 Acquired acquire(const TriangleField& triangles, const FieldLayout& layout, SdfAcquire how);
 
 }  // namespace feder

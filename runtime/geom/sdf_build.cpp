@@ -235,9 +235,7 @@ TriangleField surface_of(const FieldLayout& at, const std::vector<float>& values
 }  // namespace
 
 std::vector<float> surface_distances(const FieldLayout& at, const std::vector<float>& values) {
-  std::vector<float> out = acquire(surface_of(at, values), at, SdfAcquire::rasterise).values;
-  for (float& d : out) d = std::abs(d);
-  return out;
+  return rasterised(surface_of(at, values), at);
 }
 
 namespace {
@@ -249,7 +247,7 @@ constexpr Real kCutOff = Real(0.6), kBeside = Real(0.5);  // cells
 void correct(const FieldLayout& at, std::vector<float>& values, Truth& truth) {
   const Real most_off = slope_error(at, values) <= kSlopeSlack ? kCutOff * at.spacing : Real(0);
   const auto surface = std::make_shared<TriangleField>(surface_of(at, values));
-  const Acquired measured = acquire(*surface, at, SdfAcquire::rasterise);
+  const std::vector<float> measured = rasterised(*surface, at);
   std::size_t changed = 0;
   const auto most = static_cast<float>(most_off);
   const DistanceField as_given(at, values);
@@ -263,7 +261,7 @@ void correct(const FieldLayout& at, std::vector<float>& values, Truth& truth) {
     return std::abs(as_given.at(p - as_given.at(p) * normalized_or(slope, Vec3::Zero()))) > kBeside * at.spacing;
   };
   for (std::size_t i = 0; i < values.size(); ++i) {
-    const float exact = std::copysign(measured.values[i], values[i] < 0 ? -1.0f : 1.0f);  // the sign as it was given
+    const float exact = std::copysign(measured[i], values[i] < 0 ? -1.0f : 1.0f);  // the sign as it was given
     if (!(std::abs(values[i] - exact) > most)) continue;
     int c[3];
     at.place_of(i, c);

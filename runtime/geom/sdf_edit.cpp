@@ -90,6 +90,14 @@ ShapePtr offset_sdf(const Shape& a, Real distance) {
 
 namespace {
 
+// Itself and the corners beside it, also across edges and cells.
+template <class F>
+void each_beside(const FieldLayout& at, const int (&c)[3], F&& visit) {
+  for (int z = std::max(c[2] - 1, 0); z <= std::min(c[2] + 1, at.n[2] - 1); ++z)
+    for (int y = std::max(c[1] - 1, 0); y <= std::min(c[1] + 1, at.n[1] - 1); ++y)
+      for (int x = std::max(c[0] - 1, 0); x <= std::min(c[0] + 1, at.n[0] - 1); ++x) visit(at.index(x, y, z));
+}
+
 // A part's values without the others: what was near these is measured anew from its own surface.
 std::vector<float> alone(const FieldLayout& at, const std::vector<float>& values,
                          const std::vector<std::uint32_t>& part, std::uint32_t number) {
@@ -100,9 +108,7 @@ std::vector<float> alone(const FieldLayout& at, const std::vector<float>& values
     own[i] = static_cast<float>(at.spacing);
     int c[3];
     at.place_of(i, c);
-    for (int z = std::max(c[2] - 1, 0); z <= std::min(c[2] + 1, at.n[2] - 1); ++z)
-      for (int y = std::max(c[1] - 1, 0); y <= std::min(c[1] + 1, at.n[1] - 1); ++y)
-        for (int x = std::max(c[0] - 1, 0); x <= std::min(c[0] + 1, at.n[0] - 1); ++x) near[at.index(x, y, z)] = 1;
+    each_beside(at, c, [&](std::size_t j) { near[j] = 1; });
   }
   const std::vector<float> measured = surface_distances(at, own);
   const auto cut_off = static_cast<float>(Real(1.2) * at.spacing);  // of a corner, by the cells' chamfer
@@ -113,7 +119,7 @@ std::vector<float> alone(const FieldLayout& at, const std::vector<float>& values
 
 }  // namespace
 
-// Corners inside that are neighbours along an axis hang together. A part's own field has the others' corners outside.
+// Corners inside that are beside each other hang together. A part's own field has the others' corners outside.
 std::vector<ShapePtr> parts_of_sdf(const ShapePtr& field) {
   constexpr std::size_t kDust = 8;  // corners
   if (!is_sdf(*field)) throw SceneError(std::string("sdf_parts: expected a field, got a ") + field->kind());
@@ -141,13 +147,10 @@ std::vector<ShapePtr> parts_of_sdf(const ShapePtr& field) {
       ++found.back().corners;
       int corner[3];
       at.place_of(i, corner);
-      for (int k = 0; k < 3; ++k)
-        for (const bool up : {false, true}) {
-          if (up ? corner[k] + 1 >= at.n[k] : corner[k] == 0) continue;
-          const std::size_t j = up ? i + at.stride(k) : i - at.stride(k);
-          if (!(values[j] < 0) || part[j] > 0) continue;
-          part[j] = number, open.push_back(static_cast<std::uint32_t>(j));
-        }
+      each_beside(at, corner, [&](std::size_t j) {
+        if (!(values[j] < 0) || part[j] > 0) return;
+        part[j] = number, open.push_back(static_cast<std::uint32_t>(j));
+      });
     }
   }
   std::stable_sort(found.begin(), found.end(), [](const Found& a, const Found& b) { return a.corners > b.corners; });
