@@ -377,24 +377,24 @@ ShapePtr make(const ShapeInput& in) {
 }  // namespace
 
 ShapeKind geom_mesh() {
-  return {
-      "mesh",
-      "(vertices, triangles, [{ surfaces =, index =, volume =, build =, leaf = }])",
-      "static triangles {i, j, k}, counting from 1; {i, j, k, s} has the surface surfaces[s] in place of the body's",
-      {{"vertices", ShapeArgumentType::points},
-       {"triangles", ShapeArgumentType::triangles},
-       {"surfaces", ShapeArgumentType::surfaces, 0}},
-      make,
-      [] {
-        const Vec3 v[5] = {{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}, {0, 1, 0}};
-        const std::uint32_t pyramid[12] = {0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0};
-        const std::uint32_t floor[6] = {0, 2, 1, 0, 3, 2};
-        const ShapeSurface surfaces[2] = {{.numbers = {.friction_static = 1, .friction_dynamic = 1}},
-                                          {.has_velocity = true, .velocity = vec3(1, 0, 0), .material = "ice"}};
-        const SurfaceNumber of[4] = {2, 0, 1, 2};
-        return std::vector<ShapePtr>{make_mesh(v, pyramid), make_mesh({v, 4}, floor),
-                                     make_mesh(v, pyramid, surfaces, of)};
-      }};
+  return {"mesh",
+          "(vertices, triangles, [{ surfaces =, index =, volume =, build =, leaf = }])",
+          "triangles {i, j, k} from 1, static, or with a mass the solid within; {i, j, k, s} has surfaces[s] in place "
+          "of the body's",
+          {{"vertices", ShapeArgumentType::points},
+           {"triangles", ShapeArgumentType::triangles},
+           {"surfaces", ShapeArgumentType::surfaces, 0}},
+          make,
+          [] {
+            const Vec3 v[5] = {{-2, 0, -2}, {2, 0, -2}, {2, 0, 2}, {-2, 0, 2}, {0, 1, 0}};
+            const std::uint32_t pyramid[12] = {0, 4, 1, 1, 4, 2, 2, 4, 3, 3, 4, 0};
+            const std::uint32_t floor[6] = {0, 2, 1, 0, 3, 2};
+            const ShapeSurface surfaces[2] = {{.numbers = {.friction_static = 1, .friction_dynamic = 1}},
+                                              {.has_velocity = true, .velocity = vec3(1, 0, 0), .material = "ice"}};
+            const SurfaceNumber of[4] = {2, 0, 1, 2};
+            return std::vector<ShapePtr>{make_mesh(v, pyramid), make_mesh({v, 4}, floor),
+                                         make_mesh(v, pyramid, surfaces, of)};
+          }};
 }
 
 }  // namespace feder

@@ -24,6 +24,17 @@ ObjectId add_chain(World& world, int count) {
   return world.need<Springs>().add_net(d);
 }
 
+// Of a scene as it is built.
+Frame collected_scene(const char* text) {
+  lua::Script script({});
+  script.load_string(text, "scene.lua");
+  script.build();
+  Collector collector;
+  Frame f;
+  collector.collect(*script.world(), script.appearance(), {}, f);
+  return f;
+}
+
 }  // namespace
 
 TEST_CASE("a frame shows bodies where they are", "[view]") {
@@ -232,12 +243,7 @@ TEST_CASE("a script's colours and faces reach the frame", "[view]") {
       world:body { shape = feder.box(1, 1, 1), position = { 3, 0, 0 }, color = "#00ff80" }
       world:net { points = { { 0, 5, 0 }, { 1, 5, 0 }, { 1, 6, 0 }, { 0, 6, 0 } }, masses = 1,
         springs = { { 1, 2 } }, faces = { { 1, 2, 3, 4 } } }
-    end })",
-                     "scene.lua");
-  script.build();
-  Collector collector;
-  Frame f;
-  collector.collect(*script.world(), script.appearance(), {}, f);
+    end })");
   REQUIRE(f.instances.size() == 2);
   CHECK(f.instances[0].color == Color{255, 0, 0, 255});
   CHECK(f.instances[1].color == Color{0, 255, 128, 255});
@@ -247,20 +253,14 @@ TEST_CASE("a script's colours and faces reach the frame", "[view]") {
 }
 
 TEST_CASE("transparent bodies come after the others", "[view]") {
-  lua::Script script({});
-  script.load_string(R"(
+  const Frame f = collected_scene(R"(
     local feder = require "feder"
     return feder.scene { title = "t", build = function(world)
       world:body { shape = feder.box(1, 1, 1), color = "#102030", transparency = 0.6 }
       world:body { shape = feder.sphere(1), position = { 3, 0, 0 }, transparency = 0 }
       world:body { type = "static", shape = feder.mesh({{0,0,0},{1,0,0},{0,0,1}}, {{1,2,3}}, { index = "bsp" }),
                    transparency = 1 }
-    end })",
-                     "scene.lua");
-  script.build();
-  Collector collector;
-  Frame f;
-  collector.collect(*script.world(), script.appearance(), {}, f);
+    end })");
   REQUIRE(f.batches.size() == 3);
   CHECK_FALSE(f.batches[0].translucent);
   CHECK(f.batches[1].translucent);
