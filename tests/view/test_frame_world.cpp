@@ -234,9 +234,7 @@ TEST_CASE("colours come from groups of names and stay", "[view]") {
 }
 
 TEST_CASE("a script's colours and faces reach the frame", "[view]") {
-  lua::HostOptions options;
-  lua::Script script(options);
-  script.load_string(R"(
+  const Frame f = collected_scene(R"(
     local feder = require "feder"
     return feder.scene { title = "t", build = function(world)
       world:body { shape = feder.box(1, 1, 1), color = { 1, 0, 0 } }
