@@ -88,6 +88,7 @@ ShapeKind geom_box() {
       "box",
       "(width, height, [depth])",
       "a box of full sizes; depth may be left out in 2D",
+      {.convex = true},
       {{"width", ShapeArgumentType::size}, {"height", ShapeArgumentType::size}, {"depth", ShapeArgumentType::size, 1}},
       [](const ShapeInput& in) -> ShapePtr {
         return std::make_shared<Box>(vec3(positive_size(in.size(0), "box", "width"),

@@ -94,6 +94,7 @@ ShapeKind geom_capsule() {
   return {"capsule",
           "(radius, height)",
           "along y, whole height with its caps",
+          {.convex = true},
           {{"radius", ShapeArgumentType::size}, {"height", ShapeArgumentType::size}},
           make,
           [] {

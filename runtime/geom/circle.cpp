@@ -44,6 +44,7 @@ ShapeKind geom_circle() {
   return {"circle",
           "(radius)",
           "for worlds with dimension = 2",
+          {.convex = true, .planar = true},
           {{"radius", ShapeArgumentType::size}},
           [](const ShapeInput& in) -> ShapePtr {
             return std::make_shared<Circle>(positive_size(in.size(0), "circle", "radius"));

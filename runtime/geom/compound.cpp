@@ -101,6 +101,7 @@ ShapeKind geom_compound() {
   return {"compound",
           "{ {shape=, position=, rotation=, friction=, ...}, ... }",
           "several shapes in one; what a part states of its surface takes the place of the body's",
+          {.whole = false},
           {{"parts", ShapeArgumentType::parts}},
           make,
           [] {

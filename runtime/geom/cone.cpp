@@ -8,6 +8,7 @@ ShapeKind geom_cone() {
   return {"cone",
           "(radius, height)",
           "along y, tip up, origin at half its height",
+          {.convex = true},
           {{"radius", ShapeArgumentType::size}, {"height", ShapeArgumentType::size}},
           [](const ShapeInput& in) -> ShapePtr {
             const Real radius = positive_size(in.size(0), "cone", "radius");

@@ -8,6 +8,7 @@ ShapeKind geom_cylinder() {
   return {"cylinder",
           "(radius, height)",
           "along y",
+          {.convex = true},
           {{"radius", ShapeArgumentType::size}, {"height", ShapeArgumentType::size}},
           [](const ShapeInput& in) -> ShapePtr {
             const Real radius = positive_size(in.size(0), "cylinder", "radius");

@@ -131,6 +131,7 @@ ShapeKind geom_hull() {
   return {"hull",
           "(points)",
           "the convex hull of a list of {x, y, z} or a buffer",
+          {.convex = true},
           {{"points", ShapeArgumentType::points}},
           [](const ShapeInput& in) -> ShapePtr { return std::make_shared<Hull>(build_hull(in.points), in.points); },
           [] {

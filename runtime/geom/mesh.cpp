@@ -381,6 +381,7 @@ ShapeKind geom_mesh() {
           "(vertices, triangles, [{ surfaces =, index =, volume =, build =, leaf = }])",
           "triangles {i, j, k} from 1, static, or with a mass the solid within; {i, j, k, s} has surfaces[s] in place "
           "of the body's",
+          {},
           {{"vertices", ShapeArgumentType::points},
            {"triangles", ShapeArgumentType::triangles},
            {"surfaces", ShapeArgumentType::surfaces, 0}},

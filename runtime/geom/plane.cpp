@@ -52,6 +52,7 @@ ShapeKind geom_plane() {
   return {"plane",
           "([nx, ny, nz, [d]])",
           "the half-space n.x >= d is free; y >= 0 when left out",
+          {},
           {{"normal", ShapeArgumentType::direction, 0}, {"distance", ShapeArgumentType::number, 0}},
           make,
           [] {

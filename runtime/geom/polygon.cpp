@@ -231,6 +231,7 @@ ShapeKind geom_polygon() {
   return {"polygon",
           "(points, [radius])",
           "2D: the convex hull of a list of {x, y}",
+          {.convex = true, .planar = true},
           {{"points", ShapeArgumentType::points_2d}, {"radius", ShapeArgumentType::size, 0}},
           make,
           [] {

@@ -429,6 +429,7 @@ ShapeKind geom_sdf() {
           "{ mesh = | shape = | fn = | buffer =, size =, spacing =, adaptive =, tolerance =, acquire = }",
           "any solid by its distances on a grid, for bodies that are not convex",
           {},
+          {},
           from_content,
           [] {
             SdfDesc torus, box;

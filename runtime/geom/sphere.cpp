@@ -41,6 +41,7 @@ ShapeKind geom_sphere() {
   return {"sphere",
           "(radius)",
           "a ball",
+          {.convex = true},
           {{"radius", ShapeArgumentType::size}},
           [](const ShapeInput& in) -> ShapePtr {
             return std::make_shared<Sphere>(positive_size(in.size(0), "sphere", "radius"));

@@ -9,30 +9,16 @@
 namespace feder {
 namespace {
 
-struct KindTraits {
-  const char* name;
-  bool convex, planar, whole;  // whole: one collider, not the parts of a compound
-};
-
-std::vector<KindTraits> kind_traits() {
-  std::vector<KindTraits> traits;
-  for (const ShapeKind& kind : shape_kinds()) {
-    const ShapePtr sample = kind.samples().front();
-    traits.push_back({kind.name, sample->convex(), sample->planar(), sample->parts().empty()});
-  }
-  return traits;
-}
-
 bool family(const char* word) { return !std::strcmp(word, "convex"); }
 
-bool matches(const char* word, const KindTraits& kind) {
-  return family(word) ? kind.convex : !std::strcmp(word, kind.name);
+bool matches(const char* word, const ShapeKind& kind) {
+  return family(word) ? kind.traits.convex : !std::strcmp(word, kind.name);
 }
 
 // How exactly a row names its pair: 0 by families only, 2 by both kinds.
 int precision(const PairRow& row) { return int(!family(row.kind_a)) + int(!family(row.kind_b)); }
 
-bool should_touch(const KindTraits& a, const KindTraits& b) {
+bool should_touch(const ShapeTraits& a, const ShapeTraits& b) {
   if (!a.whole || !b.whole) return false;
   if (a.convex && b.convex) return a.planar == b.planar;
   return a.convex || b.convex;
@@ -43,7 +29,7 @@ bool should_touch(const KindTraits& a, const KindTraits& b) {
 NarrowPhase::NarrowPhase(const std::string& algorithm, std::span<const PairRow> tests) {
   if (algorithm != "auto" && algorithm != "gjk")
     throw SceneError("unknown narrow phase '" + algorithm + "'; known: auto, gjk");
-  const std::vector<KindTraits> kinds = kind_traits();
+  const std::span<const ShapeKind> kinds = shape_kinds();
   kinds_ = static_cast<int>(kinds.size());
   table_.resize(kinds.size() * kinds.size());
   for (int wanted = 0; wanted <= 2; ++wanted) {
@@ -51,11 +37,12 @@ NarrowPhase::NarrowPhase(const std::string& algorithm, std::span<const PairRow> 
       if (precision(row) != wanted) continue;
       for (std::size_t i = 0; i < kinds.size(); ++i) {
         for (std::size_t j = 0; j < kinds.size(); ++j) {
-          const bool both_convex = kinds[i].convex && kinds[j].convex;
+          const ShapeTraits &a = kinds[i].traits, &b = kinds[j].traits;
+          const bool both_convex = a.convex && b.convex;
           if (!matches(row.kind_a, kinds[i]) || !matches(row.kind_b, kinds[j])) continue;
-          if (both_convex && kinds[i].planar != kinds[j].planar) continue;
+          if (both_convex && a.planar != b.planar) continue;
           // flat sections have no volume for EPA: they keep their own tests
-          if (algorithm == "gjk" && wanted == 2 && both_convex && !kinds[i].planar) continue;
+          if (algorithm == "gjk" && wanted == 2 && both_convex && !a.planar) continue;
           table_[i * kinds.size() + j] = {row.test, false, false};
           const bool same_family = matches(row.kind_a, kinds[j]) && matches(row.kind_b, kinds[i]);
           if (i != j && !same_family) table_[j * kinds.size() + i] = {row.test, true, false};
@@ -66,7 +53,7 @@ NarrowPhase::NarrowPhase(const std::string& algorithm, std::span<const PairRow> 
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     for (std::size_t j = 0; j < kinds.size(); ++j) {
       Entry& entry = table_[i * kinds.size() + j];
-      entry.lacking = !entry.test && should_touch(kinds[i], kinds[j]);
+      entry.lacking = !entry.test && should_touch(kinds[i].traits, kinds[j].traits);
       complete_ = complete_ && !entry.lacking;
     }
   }

@@ -40,7 +40,11 @@ void for_samples(const Check& check) {
 TEST_CASE("kinds know their row", "[geom][contract]") {
   for_samples([](const Shape& s, Real, Rng&) {
     CHECK(s.kind_id() == shape_kind_id(s.kind()));
-    CHECK(shape_kinds()[static_cast<std::size_t>(s.kind_id())].name == std::string(s.kind()));
+    const ShapeKind& kind = shape_kinds()[static_cast<std::size_t>(s.kind_id())];
+    CHECK(kind.name == std::string(s.kind()));
+    CHECK(kind.traits.convex == s.convex());
+    CHECK(kind.traits.planar == s.planar());
+    CHECK(kind.traits.whole == s.parts().empty());
   });
 }
 

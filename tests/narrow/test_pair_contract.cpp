@@ -103,9 +103,10 @@ TEST_CASE("pairs of convex shapes keep the narrow-phase contract", "[narrow][con
   const NarrowPhase narrow(algorithm);
   Rng rng(static_cast<std::uint64_t>(i) + 1);
   for (int j = i; j < kinds; ++j) {
+    if (!shape_kinds()[i].traits.convex || !shape_kinds()[j].traits.convex) continue;
     for (const ShapePtr& a : shape_kinds()[i].samples()) {
       for (const ShapePtr& b : shape_kinds()[j].samples()) {
-        if (!a->convex() || !b->convex() || a->planar() != b->planar()) continue;
+        if (a->planar() != b->planar()) continue;
         CAPTURE(algorithm, a->kind(), b->kind(), a->extent(Vec3::Zero()), b->extent(Vec3::Zero()));
         for (int trial = 0; trial < 30; ++trial) check_case(narrow, random_case(rng, *a, *b), rng);
       }

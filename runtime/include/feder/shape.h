@@ -229,11 +229,19 @@ struct ShapeArgument {
 
 struct SdfMakers;
 
+// What all shapes of a kind have in common; decides which pairs touch.
+struct ShapeTraits {
+  bool convex = false;
+  bool planar = false;  // a section of 2D worlds
+  bool whole = true;    // one collider, not the parts of a compound
+};
+
 // One row per kind, in the order of the feder_variant(geom ...) lines.
 struct ShapeKind {
   const char* name;
   const char* usage;  // "(radius, height)"
   const char* summary;
+  ShapeTraits traits;
   std::vector<ShapeArgument> arguments;
   ShapePtr (*make)(const ShapeInput&);  // SceneError on non-finite or non-positive sizes
   std::vector<ShapePtr> (*samples)();   // a few for the contract tests: ordinary, flat, tiny
