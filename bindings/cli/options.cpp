@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "cli/command.h"
+#include "cli/field_cache.h"
 #include "cli/stop.h"
 #ifdef FEDER_HAS_YAML
 #include "feder/yaml.h"
@@ -58,10 +59,12 @@ void declare(Arguments& a, Options& o) {
          "Lua instructions per call into a script, 4 times as many in build() (default 1e8; 0: any)");
   a.text("--memory", o.memory, "bytes of Lua memory (default 1 GiB)");
   a.text("--timeout", o.timeout, "seconds of processor time; exit status 4 (default: any; test: 60 per file)");
+  a.flag("--no-cache", o.no_cache, "make distance fields of meshes anew, and keep none (test never does)");
 }
 
 void hide_scene_options(Arguments& a, bool but_threads) {
-  for (const char* name : {"--seed", "--set", "--world", "--dt", "--limit", "--memory", "--timeout"}) a.hide(name);
+  for (const char* name : {"--seed", "--set", "--world", "--dt", "--limit", "--memory", "--timeout", "--no-cache"})
+    a.hide(name);
   if (!but_threads) a.hide("--threads");
 }
 
@@ -92,6 +95,10 @@ lua::HostOptions host_options(const Options& o) {
     host.memory_limit = static_cast<std::size_t>(std::min(read_number(o.memory, "--memory"), 1e18));
   timeout_seconds(o, 0);
   host.stop = &stop_flag();
+  if (!o.no_cache && !program_stamp().empty())
+    host.make_field = [cache = FieldCache(field_cache_folder(), program_stamp())](const SdfDesc& d) {
+      return cache.make(d);
+    };
 #ifdef FEDER_HAS_YAML
   host.load_yaml = yaml::push;
 #endif

@@ -1,4 +1,5 @@
-// What every command takes: --json, --quiet, --seed, --set, --world, --dt, --threads, --limit, --memory, --timeout.
+// What every command takes: --json, --quiet, --seed, --set, --world, --dt, --threads, --limit, --memory, --timeout,
+// --no-cache.
 #pragma once
 #include <cstdint>
 #include <filesystem>
@@ -18,7 +19,7 @@ struct Build {
 
 struct Options {
   Build build;
-  bool json = false, quiet = false;
+  bool json = false, quiet = false, no_cache = false;
   std::string seed, dt;  // as given; empty when not given
   std::string limit, memory, timeout;
   int threads = 0;                      // 0: what the scene says

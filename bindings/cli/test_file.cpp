@@ -102,6 +102,7 @@ class TestRun {
 
   void run_session() {
     lua::HostOptions host = host_options(options_);
+    host.make_field = {};
     host.print = [this](std::string_view text) {
       if (result_.output.size() < kKeptOutput) result_.output += text.substr(0, kKeptOutput - result_.output.size());
     };

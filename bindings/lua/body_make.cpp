@@ -129,6 +129,12 @@ constexpr Option<BodyReading> kBody[] = {
     later<BodyReading>("tags", kWordsType),
 };
 
+// Of meshes, which may take long: outside of the script's time, and by the host's way.
+void make_solids(State& s, const Shape& shape) {
+  s.outside_lua([&] { shape.solid(s.options.make_field); });
+  for (const CompoundPart& part : shape.parts()) make_solids(s, *part.shape);
+}
+
 }  // namespace
 
 std::vector<OptionInfo> body_rows() { return describe_rows(kBody); }
@@ -149,6 +155,7 @@ ObjectId world_body(WorldRecord& r, lua_State* L) {
   const BodyReading body = read_description(L, r, kBody);
   Rigid& rigid = system_of<Rigid>(r);
   define_materials(r, *body.shape);
+  if (body.type == BodyType::dynamic) make_solids(state(L), *body.shape);
   const ObjectId id = rigid.add_body(body);
   if (body.painted) r.appearance.colors[id] = body.color;
   if (body.transparency > 0) r.appearance.transparencies[id] = static_cast<float>(body.transparency);

@@ -213,7 +213,9 @@ int feder_sdf(lua_State* L) {
     return push_from_function(L, r);
   }
   ShapePtr made;
-  state(L).outside_lua([&] { made = make_sdf(r.desc); });
+  State& s = state(L);
+  const bool keeps = s.options.make_field && !r.triangles.empty();
+  s.outside_lua([&] { made = keeps ? s.options.make_field(r.desc) : make_sdf(r.desc); });
   push_userdata(L, Class::shape, std::move(made));
   return 1;
 }

@@ -42,7 +42,7 @@ inline constexpr Real kRotateNormal = Real(1e-4);  // rad
 // A manifold that a pair has or may have, in the sorted list. What the serial passes read stays in these 20 bytes.
 struct ContactEntry {
   std::uint32_t a = kNone, b = kNone;  // colliders
-  std::uint32_t pair = kNone;          // number in `memory`, the same for all entries of a pair
+  std::uint32_t pair = kNone;          // number in `memory`, the same for kMaxContacts entries of a pair
   std::uint32_t slot = kNone;          // in Contacts::slots and `bases`; kNone while it has no points
   std::uint16_t sub = 0;
   std::uint16_t bits = 0;
@@ -59,11 +59,18 @@ enum EntryBits : std::uint16_t {
   kTested = 32,    // in this step
   kWatch = 64,     // its contact state depends on the impulse of this step
   kArrived = 128,  // kNear became true in this step
-  kMany = 256,     // the pair has kMaxManifolds entries
+  kMany = 256,     // the pair has kMeshManifolds entries
   kSensorIsB = 512,
   kAgainstScenery = 2048,  // one side is dynamic, the other is not
   kResting = 1024,         // set in Contacts::resting, never in `entries`
+  kFieldPair = 4096,       // the pair has kMaxManifolds entries
+  kSecond = 8192,          // one of the second four entries of a pair; set in Contacts::resting alone
 };
+inline std::uint32_t entries_of_pair(std::uint16_t bits) {
+  return bits & kFieldPair ? kMaxManifolds : bits & kMany ? kMeshManifolds : 1;
+}
+// Of an entry, or of the first of its pair: as many numbers as there are fours of entries.
+inline bool starts_number(const ContactEntry& e) { return e.sub % kMaxContacts == 0; }
 
 // The last real narrow test of a pair, for recycling. No padding: written to snapshots as bytes.
 struct PairMemory {
@@ -122,7 +129,7 @@ struct Exclusion {
 static_assert(sizeof(ContactPoint) == 10 * sizeof(Real) + (sizeof(Real) == 8 ? 8 : 4));
 static_assert(sizeof(Contact) == 16 + 16 * sizeof(Real) + kMaxContactPoints * sizeof(ContactPoint));
 static_assert(sizeof(PairMemory) == 16 + 13 * sizeof(Real));
-static_assert(kMaxContacts == kMaxManifolds);
+static_assert(kMaxContacts == kMeshManifolds && kMaxManifolds % kMaxContacts == 0);
 static_assert(sizeof(SeenCollider) == 24 + 6 * sizeof(Real));
 
 struct Collide::Impl {
@@ -143,6 +150,7 @@ struct Collide::Impl {
   bool merge_pairs();
   bool may_collide(std::uint32_t a, std::uint32_t b) const;
   bool keep(const ContactEntry& e, bool reported) const;
+  int many(std::uint32_t a, std::uint32_t b) const;
   void create(std::uint32_t a, std::uint32_t b);
   void release(const ContactEntry& e);
   void free_slot(std::uint32_t slot);
@@ -153,8 +161,10 @@ struct Collide::Impl {
   template <class F>
   void each_resting_entry(std::uint32_t pair, F&& f) const {
     const RestingPair& p = contacts->resting.pairs[pair];
-    for (std::uint16_t sub = 0; sub < kMaxContacts && p.bits[sub]; ++sub)
-      f(ContactEntry{p.a, p.b, pair, p.contact[sub], sub, static_cast<std::uint16_t>(p.bits[sub] & ~kResting)});
+    for (std::uint16_t k = 0; k < kMaxContacts && p.bits[k]; ++k) {
+      const auto sub = static_cast<std::uint16_t>(p.bits[k] & kSecond ? k + kMaxContacts : k);
+      f(ContactEntry{p.a, p.b, pair, p.contact[k], sub, static_cast<std::uint16_t>(p.bits[k] & ~(kResting | kSecond))});
+    }
   }
   void rest(std::span<const ContactEntry> group);
   void take_resting(std::uint32_t collider);

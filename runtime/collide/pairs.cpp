@@ -146,32 +146,40 @@ bool Collide::Impl::keep(const ContactEntry& e, bool reported) const {
   if (!recheck_filters && !((seen[e.a].bits | seen[e.b].bits) & kChanged)) return true;
   const bool sensor = c.sensor[e.a] || c.sensor[e.b];
   if (sensor != ((e.bits & kSensorPair) != 0) || (c.sensor[e.b] != 0) != ((e.bits & kSensorIsB) != 0)) return false;
-  return may_collide(e.a, e.b);
+  return may_collide(e.a, e.b) && many(e.a, e.b) == (e.bits & (kMany | kFieldPair));
+}
+
+// kMany and kFieldPair, for a pair that has several manifolds: a side is neither convex nor a half-space.
+int Collide::Impl::many(std::uint32_t a, std::uint32_t b) const {
+  const Colliders& c = *colliders;
+  if (c.sensor[a] || c.sensor[b]) return 0;
+  const auto meshlike = [&](std::uint32_t i) { return !c.shape[i]->convex() && seen[i].extent < kInfinity; };
+  if (!meshlike(a) && !meshlike(b)) return 0;
+  return is_field(a) || is_field(b) ? kMany | kFieldPair : kMany;
 }
 
 void Collide::Impl::create(std::uint32_t a, std::uint32_t b) {
   const Colliders& c = *colliders;
   FEDER_ASSERT(a < b && c.motion[a] != ColliderMotion::none && c.motion[b] != ColliderMotion::none);
   const bool sensor = c.sensor[a] || c.sensor[b];
-  // several manifolds: only shapes that are neither convex nor a half-space
-  const auto meshlike = [&](std::uint32_t i) { return !c.shape[i]->convex() && seen[i].extent < kInfinity; };
-  const bool many = !sensor && (meshlike(a) || meshlike(b));
-  const std::uint32_t pair = take_index(free_pairs, memory.size(), [&] { memory.emplace_back(); });
-  PairMemory& m = memory[pair];
-  m = {};
-  measure(m, a, b);
   const bool scenery = (c.motion[a] == ColliderMotion::dynamic) != (c.motion[b] == ColliderMotion::dynamic);
-  const int bits = kNew | (scenery && !sensor ? kAgainstScenery : 0) | (many ? kMany : 0) | (sensor ? kSensorPair : 0) |
-                   (c.sensor[b] ? kSensorIsB : 0);
-  const int count = many ? kMaxManifolds : 1;
-  for (int sub = 0; sub < count; ++sub)
-    next_entries.push_back({a, b, pair, kNone, static_cast<std::uint16_t>(sub), static_cast<std::uint16_t>(bits)});
+  const int bits = kNew | (scenery && !sensor ? kAgainstScenery : 0) | (sensor ? kSensorPair : 0) |
+                   (c.sensor[b] ? kSensorIsB : 0) | many(a, b);
+  ContactEntry e{a, b, kNone, kNone, 0, static_cast<std::uint16_t>(bits)};
+  for (; e.sub < entries_of_pair(e.bits); ++e.sub) {
+    if (starts_number(e)) {
+      e.pair = take_index(free_pairs, memory.size(), [&] { memory.emplace_back(); });
+      memory[e.pair] = {};
+      measure(memory[e.pair], a, b);
+    }
+    next_entries.push_back(e);
+  }
 }
 
-// Frees its slot, and with the first entry of a pair its number; a contact that was reported gets its end event.
+// Frees its slot, and with the first entry of a number that; a contact that was reported gets its end event.
 void Collide::Impl::release(const ContactEntry& e) {
   if (e.bits & kReported) count(e, -1);
-  if (e.sub == 0) free_pairs.push_back(e.pair);
+  if (starts_number(e)) free_pairs.push_back(e.pair);
   if (e.slot == kNone) return;
   FEDER_ASSERT(contacts->slots[e.slot].collider_a == e.a && contacts->slots[e.slot].sub == e.sub);
   free_slot(e.slot);
@@ -196,7 +204,7 @@ std::size_t Collide::Impl::unchanged_entries(std::size_t& pair) const {
     const bool known = n < entries.size() && entries[n].a == pairs[pair].a && entries[n].b == pairs[pair].b;
     const bool gone = n < entries.size() && IndexPair{entries[n].a, entries[n].b} < pairs[pair];
     if (gone || (known ? !keep(entries[n], true) : may_collide(pairs[pair].a, pairs[pair].b))) break;
-    if (known) n += entries[n].bits & kMany ? kMaxManifolds : 1;
+    if (known) n += entries_of_pair(entries[n].bits);
   }
   return n;
 }
@@ -210,7 +218,7 @@ bool Collide::Impl::merge_pairs() {
   const auto drop_or_keep = [&](bool reported) {
     FEDER_ASSERT(entries[n].sub == 0);
     const bool kept = keep(entries[n], reported);
-    const std::span<const ContactEntry> group(&entries[n], entries[n].bits & kMany ? kMaxManifolds : 1);
+    const std::span<const ContactEntry> group(&entries[n], entries_of_pair(entries[n].bits));
     n += group.size();
     if (kept && !reported) rest(group);
     for (const ContactEntry& e : group) {

@@ -14,15 +14,17 @@ void Collide::Impl::rest(std::span<const ContactEntry> group) {
   constexpr std::uint16_t kOfStep = kTested | kWatch | kArrived;
   const ContactEntry& head = group[0];
   const bool mixes = (seen[head.a].bits | seen[head.b].bits) & kSurfaceChanged;
-  RestingPair p{head.a, head.b};
-  for (const ContactEntry& e : group) {
-    FEDER_ASSERT(e.pair == head.pair && !(e.bits & kSensorPair) && (e.slot != kNone) == ((e.bits & kTouching) != 0));
-    p.contact[e.sub] = e.slot;
-    p.bits[e.sub] = static_cast<std::uint16_t>((e.bits & ~kOfStep) | kResting);
-    if (mixes && e.slot != kNone) mix(contacts->slots[e.slot]);
-  }
   contacts->resting.reserve(colliders->size(), memory.size());
-  contacts->resting.add(head.pair, p);
+  RestingPair p;
+  for (const ContactEntry& e : group) {
+    FEDER_ASSERT(!(e.bits & kSensorPair) && (e.slot != kNone) == ((e.bits & kTouching) != 0));
+    if (starts_number(e)) p = {head.a, head.b};
+    const std::uint32_t at = e.sub % kMaxContacts;
+    p.contact[at] = e.slot;
+    p.bits[at] = static_cast<std::uint16_t>((e.bits & ~kOfStep) | kResting | (e.sub >= kMaxContacts ? kSecond : 0));
+    if (mixes && e.slot != kNone) mix(contacts->slots[e.slot]);
+    if (&e == &group.back() || at == kMaxContacts - 1) contacts->resting.add(e.pair, p);
+  }
 }
 
 // The resting pairs of a collider into `returning`.

@@ -86,7 +86,7 @@ const ContactPoint* old_point(const ContactPoint& p, std::span<const Contact> ol
 void Collide::Impl::collide(StepContext& c) {
   bool changed = merge_pairs();
   const std::uint32_t count = static_cast<std::uint32_t>(entries.size());
-  constexpr std::uint32_t kAhead = 8;     // pairs with a mesh have kMaxManifolds entries each
+  constexpr std::uint32_t kAhead = 8;     // pairs with a mesh or a field have several entries each
   constexpr JobGrain kGrain{64, 10'000};  // contacts; a third of that when all are recycled
   while (found_by.size() < static_cast<std::size_t>(c.jobs->threads()))
     found_by.emplace_back(&arena), found_by_slack.emplace_back();
@@ -141,7 +141,7 @@ bool Collide::Impl::free_slots() {
 void Collide::Impl::test_pair(std::uint32_t head, Real dt, Array<NewContact>& found) {
   constexpr std::uint16_t kOfStep = kTested | kWatch | kArrived;
   const Colliders& c = *colliders;
-  const std::uint32_t count = entries[head].bits & kMany ? kMaxManifolds : 1;
+  const std::uint32_t count = entries_of_pair(entries[head].bits);
   FEDER_ASSERT(head + count <= entries.size() && entries[head + count - 1].a == entries[head].a &&
                entries[head + count - 1].sub == count - 1);
   const std::span<ContactEntry> group(&entries[head], count);
@@ -155,7 +155,8 @@ void Collide::Impl::test_pair(std::uint32_t head, Real dt, Array<NewContact>& fo
   PairMemory& m = memory[group[0].pair];
   if (seen_bits & kChanged) {
     m.valid = 0;
-    measure(m, a, b);
+    for (const ContactEntry& e : group)
+      if (starts_number(e)) measure(memory[e.pair], a, b);
   }
   const bool ahead = !(group[0].bits & kTouching) && may_pass(a, b, dt);
   std::size_t next = found.size();
@@ -204,8 +205,7 @@ bool Collide::Impl::recycle(std::span<const ContactEntry> group) {
   const Vec3 apart = between - m.between;
   const Vec3 shift = m.about_a ? Vec3(apart - cross(rotation_b, between)) : Vec3(apart - cross(rotation_a, between));
   const Real drift = length(shift) + length(rotation_b - rotation_a) * m.extent;
-  const bool on_field = group.size() > 1 && (is_field(a) || is_field(b));
-  const Real limit_of_drift = on_field ? kRecycleOnField : kRecycleDistance;
+  const Real limit_of_drift = group[0].bits & kFieldPair ? kRecycleOnField : kRecycleDistance;
   if (!(drift < limit_of_drift * m.margin)) return false;
 
   // separations, and normals rotated along
@@ -235,7 +235,7 @@ std::uint32_t Collide::Impl::test_fresh(std::span<const ContactEntry> group, Rea
   const std::uint32_t a = group[0].a, b = group[0].b;
   Manifold found[kMaxManifolds];
   Vec3 ahead = Vec3::Zero();
-  int count = group.size() > 1 && (is_field(a) || is_field(b))
+  int count = group[0].bits & kFieldPair
                   ? collide_midway(a, b, margin, dt, m.cache, found, ahead)
                   : narrow.collide(*c.shape[a], c.pose[a], *c.shape[b], c.pose[b], margin, m.cache, found);
   FEDER_ASSERT(count >= 0 && static_cast<std::size_t>(count) <= group.size());

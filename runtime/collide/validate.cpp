@@ -73,7 +73,7 @@ void Collide::Impl::check_entries() const {
   }
   const auto list = [&](const ContactEntry& e) {
     if (e.slot != kNone) listed.add(e.slot);
-    if (e.sub == 0) pairs_listed.add(e.pair);
+    if (starts_number(e)) pairs_listed.add(e.pair);
   };
   std::size_t next_active = 0, next_slot = 0;
   FEDER_ASSERT(k.active_pairs.size() == k.active.size());
@@ -81,7 +81,8 @@ void Collide::Impl::check_entries() const {
     const ContactEntry& e = entries[i];
     check_entry(e);
     FEDER_ASSERT(i == 0 || in_order(entries[i - 1], e));
-    FEDER_ASSERT(e.sub == 0 || (entries[i - 1].pair == e.pair && entries[i - 1].sub + 1 == e.sub));
+    FEDER_ASSERT(e.sub == 0 || (i > 0 && entries[i - 1].a == e.a && entries[i - 1].sub + 1 == e.sub));
+    FEDER_ASSERT(starts_number(e) || entries[i - 1].pair == e.pair);
     list(e);
     if (e.slot == kNone) continue;
     FEDER_ASSERT(next_slot < k.order.size() && k.order[next_slot] == e.slot);

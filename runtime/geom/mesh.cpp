@@ -78,7 +78,7 @@ class Mesh final : public Shape {
   const Triangle& triangle(std::uint32_t i) const override { return triangles_[i]; }
   std::span<const ShapeSurface> surfaces() const override { return surfaces_; }
   std::string describe() const override;
-  ShapePtr solid() const override;
+  ShapePtr solid(const MakeSdf& make) const override;
   bool volumes_at(int level, bool (*edge)(void*, const Vec3&, const Vec3&), void* context) const override;
   bool back_to_front(const Vec3& eye, void (*visit)(void*, std::uint32_t, std::span<const Vec3>),
                      void* context) const override;
@@ -135,13 +135,14 @@ void Mesh::make_index() {
   tree_.build({});
 }
 
-ShapePtr Mesh::solid() const {
+ShapePtr Mesh::solid(const MakeSdf& make) const {
   if (std::none_of(shape_kinds().begin(), shape_kinds().end(), [](const ShapeKind& k) { return k.fields; }))
     return nullptr;
   const std::lock_guard lock(solid_mutex_);
   if (!solid_) {
     const ShapeArguments own = arguments();
-    solid_ = make_sdf({.vertices = own.points, .triangles = own.triangles});
+    const SdfDesc inside{.vertices = own.points, .triangles = own.triangles};
+    solid_ = make ? make(inside) : make_sdf(inside);
   }
   return solid_;
 }

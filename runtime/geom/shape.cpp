@@ -23,6 +23,8 @@ int Shape::face(const Vec3& direction, Vec3* points) const {
 
 void Shape::triangles_in(const Aabb&, void (*)(void*, std::uint32_t), void*) const {}
 
+ShapePtr Shape::solid(const MakeSdf&) const { return nullptr; }
+
 const Triangle& Shape::triangle(std::uint32_t) const {
   static const Triangle none{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   return none;

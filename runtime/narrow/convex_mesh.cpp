@@ -5,7 +5,7 @@
 // along the normal, delta below the triangle and at least delta inside each of its sharp edges, is the answer, since
 // along a direction at an angle x to the normal the overlap is at least delta cos x + delta sin x >= delta. Else GJK
 // and EPA decide. Points with nearly one normal, on triangles with one surface, form one manifold; of these the
-// deepest kMaxManifolds are returned. Where there are more, those that differ by their surface alone become one first,
+// deepest kMeshManifolds are returned. Where there are more, those that differ by their surface alone become one first,
 // so that nothing rests on less than it would on a mesh without surfaces.
 // Triangles come in ascending order: deterministic.
 // Keeps nothing between calls. Weak spot: a shape whose middle has passed the surface is pushed out on the far side.
@@ -101,7 +101,7 @@ Cluster* cluster_for(MeshContact& mc, const Vec3& normal, SurfaceNumber surface,
 // any more. Not the shallowest: which that is changes from step to step on flat ground. Returns how many are left.
 int join_surfaces(MeshContact& mc) {
   int left = mc.count;
-  for (int i = mc.count - 1; i > 0 && left > kMaxManifolds; --i) {
+  for (int i = mc.count - 1; i > 0 && left > kMeshManifolds; --i) {
     Cluster& c = mc.clusters[i];
     int first = 0;
     while (first < i && !one_normal(mc.clusters[first], c.normal)) ++first;
@@ -268,7 +268,7 @@ int convex_mesh(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& 
   // the deepest clusters, in the order they were found
   bool taken[kClusters] = {};
   const int left = join_surfaces(mc);
-  for (int found = 0; found < kMaxManifolds && found < left; ++found) {
+  for (int found = 0; found < kMeshManifolds && found < left; ++found) {
     int best = -1;
     for (int i = 0; i < mc.count; ++i)
       if (!taken[i] && mc.clusters[i].count > 0 && (best < 0 || mc.clusters[i].deepest < mc.clusters[best].deepest))

@@ -1,8 +1,8 @@
 // A convex shape against a distance field: surface samples of the field in the convex shape's distance; the least value
 // of the field over the convex core, sought from its middle and from the deepest samples (Frank and Wolfe), which finds
 // corners and edges; and the corners of the face that looks that way, so that boxes rest on four points.
-// Keeps nothing between calls. Weak spot: of a shape much larger than the field's details, the four normals that differ
-// most are kept.
+// Keeps nothing between calls. Weak spot: of a shape much larger than the field's details, the eight normals that
+// differ most are kept.
 #include "geom/width.h"
 #include "narrow/field_contact.h"
 #include "narrow/narrow_phase.h"

@@ -1,7 +1,7 @@
 // Deepest first: a candidate stands when nothing deeper close by pushes another way, so that beside a corner or an edge
 // only its own contact is left. Normals within some ten degrees share a manifold. Keeps nothing between calls.
-// Weak spots: a contact along a curve is four points, one all round a thread four of its sides; samples stop at the
-// rim of a sharp edge, up to a cell inside.
+// Weak spots: a contact all round, such as a thread's, is eight of its sides (with four a nut shakes off its bolt);
+// samples stop at the rim of a sharp edge, up to a cell inside.
 #include "narrow/field_contact.h"
 
 #include <algorithm>

@@ -5,7 +5,8 @@
 namespace feder {
 
 inline constexpr int kMaxManifoldPoints = 4;
-inline constexpr int kMaxManifolds = 4;  // per pair of colliders; more than one only against meshes
+// Per pair of colliders: one of convex shapes, four against meshes, eight against distance fields.
+inline constexpr int kMeshManifolds = 4, kMaxManifolds = 8;
 
 struct ManifoldPoint {
   Vec3 position = Vec3::Zero();  // world, midway between the surfaces, m

@@ -191,7 +191,8 @@ struct Rigid::Impl {
   void update_sleep(StepContext& c);
   void measure_motion(StepContext& c);
   void check_far(StepContext& c);
-  void say_of_fields(StepContext& c);  // fields.cpp
+  void say_of_fields(StepContext& c);
+  void look_for_swings(StepContext& c);  // fields.cpp
   // carve.cpp
   std::uint32_t only_collider(std::uint32_t i, const char* verb) const;
   BodySolid solid_like(std::uint32_t i, const ShapePtr& shape, const Pose& place, Real density) const;
@@ -392,8 +393,8 @@ struct Rigid::Impl {
   std::vector<ObjectId> unsaid = {};  // bodies whose fields have warnings
   bool any_field = false;             // was made in this world
   bool swing_warned = false;
-  ObjectId swings_before = {};  // who swung too fast when that was last looked at
-  bool warned_far = false;      // warned of motion lost far from the origin
+  int swing_steps = 0;      // in a row in which something swung too fast
+  bool warned_far = false;  // warned of motion lost far from the origin
 };
 
 }  // namespace feder

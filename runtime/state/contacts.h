@@ -10,7 +10,7 @@
 namespace feder {
 
 inline constexpr int kMaxContactPoints = 4;
-inline constexpr int kMaxContacts = 4;  // of a pair of colliders; more than one only against meshes
+inline constexpr int kMaxContacts = 4;  // of a pair's number; a pair with a distance field has two
 
 struct ContactPoint {
   Vec3 arm_a =

@@ -48,13 +48,15 @@ class Program {
     std::ofstream(folder_ / name, std::ios::binary) << text;
   }
   std::string read(const std::string& name) const { return read_file(folder_ / name); }
+  const std::filesystem::path& folder() const { return folder_; }
 
   // `arguments` as in a shell; scenes of the checkout as $S/rigid/tower.lua.
   Outcome run(const std::string& arguments) const { return shell("'" FEDER_BINARY_DIR "/feder' " + arguments); }
 
   Outcome shell(const std::string& command) const {
-    const std::string text =
-        "cd '" + folder_.string() + "' && S='" FEDER_SOURCE_DIR "/scenes'; " + command + " >.out 2>.err </dev/null";
+    const std::string text = "cd '" + folder_.string() +
+                             "' && export XDG_CACHE_HOME=\"$PWD/.cache\" S='" FEDER_SOURCE_DIR "/scenes'; " + command +
+                             " >.out 2>.err </dev/null";
     const int status = std::system(text.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status), read(".out"), read(".err")};
   }

@@ -8,21 +8,21 @@
 #include "support/catch.h"
 
 using namespace feder::test;
-using nlohmann::json;
+using Json = nlohmann::json;
 
 namespace {
 
 // The part of JSON Schema that the program writes: type, pattern, properties, required, items, additionalProperties.
 class Validator {
  public:
-  void check(const json& value, const json& schema, const std::string& path) {
+  void check(const Json& value, const Json& schema, const std::string& path) {
     seen.insert(path);
     if (!has_type(value, schema.at("type"))) return refuse(path, std::string("is of type ") + value.type_name());
     if (value.is_string() && schema.contains("pattern") &&
         !std::regex_search(value.get<std::string>(), std::regex(schema["pattern"].get<std::string>())))
       refuse(path, "is " + value.dump());
     if (value.is_array())
-      for (const json& item : value) check(item, schema.at("items"), path + "[]");
+      for (const Json& item : value) check(item, schema.at("items"), path + "[]");
     if (value.is_object()) check_fields(value, schema, path);
   }
 
@@ -32,16 +32,16 @@ class Validator {
  private:
   void refuse(const std::string& path, const std::string& what) { errors.push_back(path + " " + what); }
 
-  static bool has_type(const json& value, const json& types) {
-    if (types.is_array()) return std::ranges::any_of(types, [&](const json& t) { return has_type(value, t); });
+  static bool has_type(const Json& value, const Json& types) {
+    if (types.is_array()) return std::ranges::any_of(types, [&](const Json& t) { return has_type(value, t); });
     const std::string type = types, name = value.type_name();
     return type == "integer" ? value.is_number_integer() : type == name;
   }
 
-  void check_fields(const json& value, const json& schema, const std::string& path) {
-    const json& more = schema.at("additionalProperties");
-    const json known = schema.value("properties", json::object());
-    for (const json& name : schema.value("required", json::array()))
+  void check_fields(const Json& value, const Json& schema, const std::string& path) {
+    const Json& more = schema.at("additionalProperties");
+    const Json known = schema.value("properties", Json::object());
+    for (const Json& name : schema.value("required", Json::array()))
       if (!value.contains(name.get<std::string>())) refuse(path, "lacks " + name.get<std::string>());
     for (const auto& [name, field] : value.items()) {
       if (known.contains(name))
@@ -54,16 +54,16 @@ class Validator {
   }
 };
 
-std::map<std::string, json> schemas() {
+std::map<std::string, Json> schemas() {
   const Program p;
-  std::map<std::string, json> out;
+  std::map<std::string, Json> out;
   const Outcome written = p.run("doc --schemas s --json");
   REQUIRE(written.status == 0);
-  const json files = written.json()["files"];
-  for (const json& file : files) {
+  const Json files = written.json()["files"];
+  for (const Json& file : files) {
     const std::string name = std::filesystem::path(file.get<std::string>()).filename();
     if (name == "scene.yaml.schema.json") continue;  // of scenes, see test_yaml_schema.cpp
-    out[name.substr(0, name.find('.'))] = json::parse(p.read(file));
+    out[name.substr(0, name.find('.'))] = Json::parse(p.read(file));
   }
   return out;
 }
@@ -199,15 +199,15 @@ std::string with_program(std::string command) {
 }
 
 // All outputs of the samples, run once.
-const std::vector<std::pair<std::string, json>>& outputs() {
+const std::vector<std::pair<std::string, Json>>& outputs() {
   static const auto all = [] {
     const Program p;
     write_scripts(p);
-    std::vector<std::pair<std::string, json>> out;
+    std::vector<std::pair<std::string, Json>> out;
     for (const Sample& sample : kSamples) {
       const Outcome o = p.shell("{ " + with_program(sample.command) + "\n}");
       INFO(sample.command << "\n" << o.err);
-      json value = json::parse(o.out, nullptr, false);  // one value and nothing else
+      Json value = Json::parse(o.out, nullptr, false);  // one value and nothing else
       REQUIRE_FALSE(value.is_discarded());
       out.emplace_back(sample.output, std::move(value));
     }
@@ -217,7 +217,7 @@ const std::vector<std::pair<std::string, json>>& outputs() {
 }
 
 // Objects within a value, as pointers from its root.
-void find_objects(const json& value, const json::json_pointer& at, std::vector<json::json_pointer>& out) {
+void find_objects(const Json& value, const Json::json_pointer& at, std::vector<Json::json_pointer>& out) {
   if (value.is_object()) {
     out.push_back(at);
     for (const auto& [name, field] : value.items()) find_objects(field, at / name, out);
@@ -228,7 +228,7 @@ void find_objects(const json& value, const json::json_pointer& at, std::vector<j
 }  // namespace
 
 TEST_CASE("every output of --json is as its schema says, and every field of the table is met", "[cli][schemas]") {
-  const std::map<std::string, json> all = schemas();
+  const std::map<std::string, Json> all = schemas();
   Validator validator;
   std::map<std::string, int> count;
   for (const auto& [name, value] : outputs()) {
@@ -250,8 +250,8 @@ TEST_CASE("every output of --json is as its schema says, and every field of the 
 }
 
 TEST_CASE("what a schema does not know, lacks or has otherwise is an error", "[cli][schemas]") {
-  const std::map<std::string, json> all = schemas();
-  const auto errors = [&](const std::string& name, const json& value) {
+  const std::map<std::string, Json> all = schemas();
+  const auto errors = [&](const std::string& name, const Json& value) {
     Validator v;
     v.check(value, all.at(name), name);
     return v.errors.size();
@@ -260,17 +260,17 @@ TEST_CASE("what a schema does not know, lacks or has otherwise is an error", "[c
   for (const auto& [name, value] : outputs()) {
     if (!tried.insert(name).second) continue;
     CAPTURE(name);
-    std::vector<json::json_pointer> objects;
-    find_objects(value, json::json_pointer(), objects);
+    std::vector<Json::json_pointer> objects;
+    find_objects(value, Json::json_pointer(), objects);
     CHECK(!objects.empty());
-    for (const json::json_pointer& at : objects) {
+    for (const Json::json_pointer& at : objects) {
       CAPTURE(at.to_string());
-      json doctored = value;
-      doctored[at]["unheard_of"] = json::object();
+      Json doctored = value;
+      doctored[at]["unheard_of"] = Json::object();
       CHECK(errors(name, doctored) == 1);
     }
   }
-  json run = outputs()[0].second;
+  Json run = outputs()[0].second;
   REQUIRE(errors("run", run) == 0);
   run.erase("hash");
   CHECK(errors("run", run) == 1);

@@ -8,15 +8,15 @@
 #include "yaml/document.h"
 
 using namespace feder::test;
-using nlohmann::json;
+using Json = nlohmann::json;
 namespace fs = std::filesystem;
 
 namespace {
 
-json to_json(const feder::yaml::Document& d, std::uint32_t index) {
+Json to_json(const feder::yaml::Document& d, std::uint32_t index) {
   const feder::yaml::Node& node = d.nodes[index];
   using Kind = feder::yaml::NodeKind;
-  json out;
+  Json out;
   switch (node.kind) {
     case Kind::null: return nullptr;
     case Kind::boolean: return node.flag;
@@ -24,11 +24,11 @@ json to_json(const feder::yaml::Document& d, std::uint32_t index) {
     case Kind::number: return node.number;
     case Kind::text: return node.text;
     case Kind::list:
-      out = json::array();
+      out = Json::array();
       for (const std::uint32_t child : node.children) out.push_back(to_json(d, child));
       return out;
     case Kind::map:
-      out = json::object();
+      out = Json::object();
       for (std::size_t k = 0; k + 1 < node.children.size(); k += 2)
         out[d.nodes[node.children[k]].text] = to_json(d, node.children[k + 1]);
       return out;
@@ -36,11 +36,11 @@ json to_json(const feder::yaml::Document& d, std::uint32_t index) {
   return out;
 }
 
-const json& schema() {
-  static const json all = [] {
+const Json& schema() {
+  static const Json all = [] {
     const Program p;
     REQUIRE(p.run("doc --schemas s").status == 0);
-    return json::parse(p.read("s/scene.yaml.schema.json"));
+    return Json::parse(p.read("s/scene.yaml.schema.json"));
   }();
   return all;
 }
@@ -162,9 +162,9 @@ constexpr Mistake kMistakes[] = {
 
 // Of the schema and all within it.
 template <class F>
-void each_schema(const json& at, F&& f) {
+void each_schema(const Json& at, F&& f) {
   if (at.is_object()) f(at);
-  for (const json& inner : at)
+  for (const Json& inner : at)
     if (inner.is_structured()) each_schema(inner, f);
 }
 
@@ -207,21 +207,21 @@ TEST_CASE("a mistake in a scene in YAML is refused by the schema and by the prog
 
 TEST_CASE("the schema has every option of its makers with sentence and unit, and defaults fit",
           "[cli][schemas][yaml]") {
-  const json pages = Program().run("doc --json").json();
+  const Json pages = Program().run("doc --json").json();
   const std::map<std::string, const char*> lists = {{"world:body", "bodies"},  {"world:region", "regions"},
                                                     {"world:joint", "joints"}, {"world:net", "nets"},
                                                     {"world:cloth", "cloths"}, {"world:fluid", "fluids"}};
-  const json& known = schema()["properties"];
+  const Json& known = schema()["properties"];
   std::size_t rows = 0;
-  for (const json& page : pages) {
+  for (const Json& page : pages) {
     const std::string title = page["title"];
     const auto list = lists.find(title);
     if (list == lists.end() && title != "feder.world" && page["owner"] != "options") continue;
-    const json& of = list != lists.end() ? known[list->second]["items"]
+    const Json& of = list != lists.end() ? known[list->second]["items"]
                      : title == "feder.world"
                          ? known["world"]
                          : known["world"]["properties"][page["title"].get<std::string>().substr(6)];
-    for (const json& row : page["rows"]) {
+    for (const Json& row : page["rows"]) {
       const std::string name = row["name"], unit = row["unit"];
       if (name.find('.') != std::string::npos) continue;
       CAPTURE(title, name);
@@ -233,7 +233,7 @@ TEST_CASE("the schema has every option of its makers with sentence and unit, and
   }
   CHECK(rows > 120);
   int defaults = 0;
-  each_schema(schema(), [&](const json& one) {
+  each_schema(schema(), [&](const Json& one) {
     if (!one.contains("default") || one.contains("$schema") || !one.contains("description")) return;
     CAPTURE(one.dump());
     CHECK(validate(one["default"], one, schema()) == std::vector<std::string>{});
@@ -246,10 +246,10 @@ TEST_CASE("feder new writes a scene in YAML with its schema beside it", "[cli][s
   const Program p;
   const Outcome made = p.run("new first.yaml --json");
   REQUIRE(made.status == 0);
-  CHECK(made.json()["files"] == json({"first.yaml", ".feder/scene.yaml.schema.json"}));
+  CHECK(made.json()["files"] == Json({"first.yaml", ".feder/scene.yaml.schema.json"}));
   const std::string text = p.read("first.yaml");
   CHECK_THAT(text, Catch::StartsWith("# yaml-language-server: $schema=.feder/scene.yaml.schema.json\n"));
-  CHECK(json::parse(p.read(".feder/scene.yaml.schema.json")) == schema());
+  CHECK(Json::parse(p.read(".feder/scene.yaml.schema.json")) == schema());
   CHECK(errors(text) == std::vector<std::string>{});
   const Outcome out = p.run("test first.yaml");
   CAPTURE(out.err);

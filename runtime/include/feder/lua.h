@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "feder/object.h"
+#include "feder/shape.h"
 #include "feder/world.h"
 
 namespace feder::lua {
@@ -81,6 +82,8 @@ struct HostOptions {
   // While true, scripts end as by Script::interrupt. For hosts that stop several scripts, or from a signal handler.
   const std::atomic<bool>* stop = nullptr;
   Executor executor = {};  // its threads help the worlds; without `call` each world makes its own workers
+  // Makes the distance fields of triangles: make_sdf when empty. A host may keep them from run to run.
+  MakeSdf make_field = {};
   // Called with each world as it is made, before anything is in it: to record it.
   std::function<void(World&)> made = {};
   // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see feder/yaml.h).

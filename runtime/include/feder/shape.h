@@ -6,6 +6,7 @@
 // and rays.
 #pragma once
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <span>
 #include <string>
@@ -85,6 +86,8 @@ inline constexpr int kMaxFacePoints = 32;
 
 class Shape;
 using ShapePtr = std::shared_ptr<const Shape>;
+struct SdfDesc;  // feder/sdf.h
+using MakeSdf = std::function<ShapePtr(const SdfDesc&)>;
 
 // How a mesh finds its triangles. Results have the same bits with any of them; which is fastest depends on the mesh.
 struct MeshIndex {
@@ -163,8 +166,9 @@ class Shape {
   virtual std::string describe() const { return {}; }
   // What it could not do for its spacing or its input, and the cure: a body made from it passes them on as warnings.
   virtual std::span<const std::string> warnings() const { return {}; }
-  // Meshes only: the solid that its triangles bound, for bodies with a mass; made once. SceneError when there is none.
-  virtual std::shared_ptr<const Shape> solid() const { return nullptr; }
+  // Meshes only: the solid that its triangles bound, for bodies with a mass; made once, by `make` if it is
+  // given. SceneError when there is none.
+  virtual std::shared_ptr<const Shape> solid(const MakeSdf& make = {}) const;
   // Meshes only, for drawing. Calls edge(context, a, b) for the edges of the volumes of the index so many levels below
   // the whole and of those above that none lies below (shape frame), while it returns true. True: there are deeper
   // ones.
