@@ -275,6 +275,17 @@ Real DistanceField::at(const Vec3& p) const {
   return at(p, slope);
 }
 
+Real DistanceField::at_least(const Vec3& p) const {
+  const Vec3 u = inverse_ * (p - layout_.origin);
+  Vec3 in;
+  for (int k = 0; k < 3; ++k) in[k] = std::min(std::max(u[k], Real(0)), Real(layout_.n[k] - 1));
+  const Real d = inside(in, nullptr);
+  if (u == in) return d;
+  const Vec3 gap = layout_.spacing * (u - in);
+  const Real on = std::max(is_adaptive() ? Real(0.875) * d : d, Real(0));  // adaptive: off by an eighth
+  return std::sqrt(dot(gap, gap) + on * on);
+}
+
 Real DistanceField::at(const Vec3& p, Vec3& slope) const {
   const Vec3 u = inverse_ * (p - layout_.origin);
   Vec3 in;

@@ -61,6 +61,13 @@ class DistanceField {
   static DistanceField adaptive(FieldLayout layout, Real band, Real tolerance, Distance distance, const void* context);
 
   Real at(const Vec3& p) const;
+  // No more than at(p), which it is within the box: outside, the way to the box and on to the surface at right angles.
+  Real at_least(const Vec3& p) const;
+  // at(p), or where at_least(p) is above the limit that.
+  Real within(const Vec3& p, Real limit) const {
+    const Real least = at_least(p);
+    return least > limit ? least : at(p);
+  }
   Real at(const Vec3& p, Vec3& slope) const;  // the gradient of what is interpolated: nearly of length 1
   // The slope as the mean over a cell around p: continuous, and exact for a field of second order.
   Real smooth_at(const Vec3& p, Vec3& slope) const;

@@ -49,6 +49,21 @@ Real search_line(const DistanceField& field, const Vec3& x, const Vec3& s) {
 
 }  // namespace
 
+void NearSamples::thin(int most) {
+  const auto halve = [this](Real above) {
+    int kept = 0, seen = 0;
+    for (int i = 0; i < count_; ++i) {
+      const One s = all_[i];
+      if (s.distance <= above || seen++ % 2 == 0 || s.number == deepest_number_) all_[kept++] = s;
+    }
+    count_ = kept;
+    return seen;
+  };
+  while (count_ > most && halve(deepest_ + margin_ / 4) > kEnough / 4) {
+  }
+  while (count_ > most) halve(-kInfinity);
+}
+
 void FieldContacts::add(const FieldCandidate& c) {
   if (!(c.separation <= margin_)) return;
   if (count_ == kMost) thin_out();
@@ -56,8 +71,9 @@ void FieldContacts::add(const FieldCandidate& c) {
 }
 
 void FieldContacts::add_samples(const PlacedShape& other) {
-  const auto distance = [&](const Vec3& p) { return other.distance(p); };
-  each_sample_near(field_, margin_, distance, [&](std::uint32_t i, const Sdf::Sample& s) {
+  const auto at_least = [&](const Vec3& p) { return other.at_least(p); };
+  const auto distance = [&](const Vec3& p) { return other.within(p, margin_); };
+  each_sample_near(field_, margin_, at_least, distance, [&](std::uint32_t i, const Sdf::Sample& s) {
     Vec3 n;
     const Real d = other.distance(s.at, n);
     if (dot(n, s.normal) <= kOpposed) add({s.at - d / 2 * n, -n, d, (i + 1) * 2654435761u});

@@ -2,6 +2,9 @@
 // thinned out, led to where the two surfaces are nearest, and reduced. All in the frame of the field. Internal to
 // narrow.
 #pragma once
+#include <algorithm>
+#include <span>
+
 #include "geom/sdf.h"
 #include "narrow/gjk.h"
 #include "narrow/manifold.h"
@@ -18,6 +21,12 @@ class PlacedShape {
     const Vec3 local = to_local(place_, p);
     return field_ ? field_->at(local) : shape_.distance(local, kInfinity, normal);
   }
+  Real at_least(const Vec3& p) const {  // no more than the distance, and sooner known
+    return field_ ? field_->at_least(to_local(place_, p)) : distance(p);
+  }
+  Real within(const Vec3& p, Real limit) const {  // the distance, or something between limit and that
+    return field_ ? field_->within(to_local(place_, p), limit) : distance(p);
+  }
   Real distance(const Vec3& p, Vec3& normal) const {
     const Vec3 local = to_local(place_, p);
     const Real d = field_ ? field_->smooth_at(local, normal) : shape_.distance(local, kInfinity, normal);
@@ -32,17 +41,52 @@ class PlacedShape {
   const Pose& place_;
 };
 
-// Calls visit(number, sample) for the samples that may be within `margin` of what distance(place) tells.
-template <class Distance, class F>
-void each_sample_near(const Sdf& field, Real margin, Distance&& distance, F&& visit) {
+// Samples near a surface by their distances alone, in the order in which they are found. Where there are many, every
+// other one goes until kEnough are left, first of those that are not nearly as deep as the deepest, which stays.
+class NearSamples {
+ public:
+  static constexpr int kEnough = 64;
+  struct One {
+    std::uint32_t number;
+    Real distance;  // m
+  };
+
+  explicit NearSamples(Real margin) : margin_(margin) {}
+  void add(std::uint32_t number, Real distance) {
+    if (count_ == kMost) thin(kMost / 2);
+    all_[count_++] = {number, distance};
+    if (distance < deepest_) deepest_ = distance, deepest_number_ = number;
+  }
+  std::span<const One> enough() {
+    thin(kEnough);
+    return {all_, static_cast<std::size_t>(count_)};
+  }
+
+ private:
+  static constexpr int kMost = 512;
+  void thin(int most);
+
+  Real margin_, deepest_ = kInfinity;
+  std::uint32_t deepest_number_ = 0;
+  int count_ = 0;
+  One all_[kMost];
+};
+
+// Calls visit(number, sample) for the samples that are within `margin` by distance(place), at most kEnough;
+// at_least(place) is no more than that, and as good beyond the margin.
+template <class AtLeast, class Distance, class F>
+void each_sample_near(const Sdf& field, Real margin, AtLeast&& at_least, Distance&& distance, F&& visit) {
   const auto near = [&](const Aabb& box) {
     const Vec3 half = (box.hi - box.lo) / 2;
-    return distance(Vec3(box.lo + half)) <= length(half) + margin;
+    return at_least(Vec3(box.lo + half)) <= length(half) + margin;
   };
   const std::span<const Sdf::Sample> samples = field.samples();
+  NearSamples found(margin);
   field.sample_tree().query_if(near, [&](std::uint32_t i) {
-    if (distance(samples[i].at) <= margin) visit(i, samples[i]);
+    const Real d = distance(samples[i].at);
+    if (d <= margin) found.add(i, d);
   });
+  for (const NearSamples::One& s : found.enough()) visit(s.number, samples[s.number]);
 }
 
 inline constexpr Real kOpposed = Real(-0.3);  // cosine of the two normals of a contact, at most

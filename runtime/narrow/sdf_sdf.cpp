@@ -19,8 +19,9 @@ int sdf_sdf(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose
   const PlacedShape other(to, place);
   contacts.add_samples(other);
   // the other way round: points of b and slopes of a
-  const auto distance = [&](const Vec3& p) { return field.field().at(to_world(place, p)); };
-  each_sample_near(to, margin, distance, [&](std::uint32_t i, const Sdf::Sample& s) {
+  const auto at_least = [&](const Vec3& p) { return field.field().at_least(to_world(place, p)); };
+  const auto distance = [&](const Vec3& p) { return field.field().within(to_world(place, p), margin); };
+  each_sample_near(to, margin, at_least, distance, [&](std::uint32_t i, const Sdf::Sample& s) {
     const Vec3 p = to_world(place, s.at), own = rotate(place.rotation, s.normal);
     Vec3 n;
     const Real d = field.field().smooth_at(p, n);

@@ -4,6 +4,7 @@
 #include "feder/error.h"
 #include "feder/sdf.h"
 #include "geom/isosurface.h"
+#include "geom/sdf.h"
 #include "support/catch.h"
 
 using namespace feder;
@@ -216,6 +217,28 @@ TEST_CASE("a torus from a function has its mass and inertia", "[geom][sdf]") {
   CHECK(double(m.inertia(1, 1)) == Approx(mass * (1 + 0.75 * 0.04)).epsilon(0.01));
   CHECK(double(m.inertia(0, 0)) == Approx(mass * (0.5 + 0.625 * 0.04)).epsilon(0.01));
   CHECK(length(m.center) < Real(1e-4));
+}
+
+TEST_CASE("the least that a distance can be is no more than it", "[geom][sdf]") {
+  const Real h = Real(0.04);
+  for (const Solid& solid : kSolids) {
+    const ShapePtr shape = field_of(solid, h, GENERATE(false, true));
+    const DistanceField& field = static_cast<const Sdf&>(*shape).field();
+    Rng rng(11);
+    Real above = -1, loose = 0;  // in spacings; as a share of the distance
+    for (int i = 0; i < 20000; ++i) {
+      Vec3 p;
+      for (int k = 0; k < 3; ++k) p[k] = rng.uniform(-1, 1) * (solid.half[k] + 1);
+      const Real least = field.at_least(p), d = field.at(p);
+      above = std::max(above, (least - d) / h);
+      if (d > 4 * h) loose = std::max(loose, (d - least) / d);
+      const Real limit = rng.uniform(0, 1), within = field.within(p, limit);
+      CHECK((within == d || (within > limit && within == least)));
+    }
+    CAPTURE(solid.name, above, loose);
+    CHECK(above < Real(0.1));
+    CHECK(loose < Real(0.5));
+  }
 }
 
 TEST_CASE("what is no distance is measured anew from where it is zero", "[geom][sdf]") {
