@@ -295,7 +295,8 @@ Real DistanceField::at(const Vec3& p, Vec3& slope) const {
   // the surface point nearest to where the way to it enters the box
   Vec3 away = u - in;
   for (int i = 0;; ++i) {
-    const Vec3 surface = in - inverse_ * inside(in, &slope) * normalized_or(slope, Vec3(0, 1, 0));
+    const Real deep = inverse_ * inside(in, &slope);  // before the slope is read
+    const Vec3 surface = in - deep * normalized_or(slope, Vec3(0, 1, 0));
     away = u - surface;
     if (i == kOutsideSteps) break;
     Real enter = 0;

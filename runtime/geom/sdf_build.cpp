@@ -92,7 +92,7 @@ Real certificate(const Sdf& shape, const Truth& truth) {
     const Sdf::Sample& s = samples[rng.next() % samples.size()];
     const Real h = shape.field().layout().spacing;
     Vec3 p = s.at + rng.uniform(-h, h) * s.normal;
-    p += h / 2 * Vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), rng.uniform(-1, 1));
+    for (int k = 0; k < 3; ++k) p[k] += h / 2 * rng.uniform(-1, 1);  // arguments of a call come in any order
     if (std::abs(shape.field().at(p)) > h) continue;
     worst = std::max(worst, std::abs(shape.field().at(p) - truth.distance(p)));
   }

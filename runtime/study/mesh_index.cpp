@@ -50,7 +50,8 @@ class MeshIndexProblem final : public StudyProblem {
     Rng rng(21);
     for (int k = 0; k < queries; ++k) {
       at_.push_back(points_[rng.next() % points_.size()]);
-      velocity_.emplace_back(rng.uniform(-1, 1), rng.uniform(Real(-0.1), Real(0.1)), rng.uniform(-1, 1));
+      const Real z = rng.uniform(-1, 1), y = rng.uniform(Real(-0.1), Real(0.1)), x = rng.uniform(-1, 1);
+      velocity_.emplace_back(x, y, z);
     }
     set_reference(ReferenceKind::quad, 15, 1e-7, "separating axes of every triangle and every box");
     info_.reference.resolution = 0.05;  // boxes of triangles and flat volumes meet a little more than those
@@ -136,10 +137,13 @@ class MeshIndexProblem final : public StudyProblem {
     }
     if (kind == 2)
       for (int i = 0; i < triangles; ++i) {
-        const auto any = [&](Real s) { return Vec3(rng.uniform(-s, s), rng.uniform(-s, s), rng.uniform(-s, s)); };
+        const auto any = [&](Real s) {  // arguments of a call come in any order
+          const Real z = rng.uniform(-s, s), y = rng.uniform(-s, s), x = rng.uniform(-s, s);
+          return Vec3(x, y, z);
+        };
         const Real size = static_cast<Real>(std::pow(10.0, -2 + 2.5 * rng.unit() * rng.unit()));
-        const Vec3 at = any(5);
-        add(at + any(size), at + any(size), at + any(size));
+        const Vec3 at = any(5), c = at + any(size), b = at + any(size), a = at + any(size);
+        add(a, b, c);
       }
   }
 
