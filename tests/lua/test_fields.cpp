@@ -129,6 +129,40 @@ TEST_CASE("nothing fast passes a thin field, and no fast field a thin wall", "[l
   CHECK(ran.output == "true\ttrue\ttrue\ntrue\ttrue\ttrue\ntrue\ttrue\ttrue\ntrue\ttrue\ttrue\n");
 }
 
+// A chain of 20 rings with a circle of radius `R` and a fifth of that as thickness, the lowest as heavy as `load` of
+// the others: deepest overlap after the first second in thicknesses, at the end, and what was said.
+std::string chain(const std::string& R, const std::string& load, const std::string& dt, int seconds) {
+  return output_of("local R, load = " + R + ", " + load + " local r = R / 5 world = feder.world{ dt = " + dt +
+                   " } "
+                   "local ring = feder.sdf{ fn = function(x, y, z) local q = math.sqrt(x * x + y * y) - R "
+                   "return math.sqrt(q * q + z * z) - r end, size = {2.64 * R, 2.64 * R, 2.4 * r}, spacing = r / 5 } "
+                   "local last, m "
+                   "for k = 1, 20 do "
+                   "last = world:body{ name = 'link' .. k, type = k == 1 and 'static' or 'dynamic', shape = ring, "
+                   "mass = k == 20 and load > 0 and load * 18 * m or nil, "
+                   "position = {0, -2 * (R - r) * (k - 1), 0}, "
+                   "rotation = { axis = {0, 1, 0}, angle = k % 2 == 0 and math.pi / 2 or 0 } } "
+                   "m = last:mass() end "
+                   "local said = 'silent' world:on('warning', function(e) said = e.code end) "
+                   "local worst = 0 "
+                   "world:on('step', function() "
+                   "if world:time() > 1 then worst = math.max(worst, world:max_penetration()) end end) "
+                   "world:step(math.floor(" +
+                   std::to_string(seconds) +
+                   " / world:dt() + 0.5)) local _, y = last:position() "
+                   "local low = -y / (2 * (R - r)) - 19 "
+                   "print(worst < 0.02 * r, worst < 0.1 * r, math.abs(low) < 0.1, said)");
+}
+
+TEST_CASE("a chain of rings holds itself and ten times that, or says what would", "[lua]") {
+  if (kAsserts) return;  // 40 times as slow
+  CHECK(chain("1", "0", "1 / 60", 60) == "true\ttrue\ttrue\tsilent\n");
+  CHECK_THAT(chain("1", "10", "1 / 60", 60), Catch::StartsWith("true\ttrue\ttrue"));
+  // a step is too long for what is so small under such a load: it says so, and what it names holds
+  CHECK_THAT(chain("0.1", "4", "1 / 60", 1), Catch::EndsWith("overload\n"));
+  CHECK_THAT(chain("0.1", "4", "1 / 120", 10), Catch::StartsWith("true\ttrue\ttrue"));
+}
+
 TEST_CASE("a hundred balls carved out of a block take their mass with them", "[lua]") {
   if (kAsserts) return;  // asserts make it 20 s
   const Ran ran = run(
