@@ -51,8 +51,7 @@ ShapePtr read_entry(const fs::path& file) {
 
 }  // namespace
 
-FieldCache::FieldCache(fs::path folder, std::string stamp, double worth)
-    : folder_(std::move(folder)), stamp_(std::move(stamp)), worth_(worth) {}
+FieldCache::FieldCache(fs::path folder, std::string stamp) : folder_(std::move(folder)), stamp_(std::move(stamp)) {}
 
 // Two hashes of all that a field is made from: the second of the bytes in groups, so that both differ.
 fs::path FieldCache::file_of(const SdfDesc& d) const {
@@ -84,7 +83,8 @@ ShapePtr FieldCache::make(const SdfDesc& desc) const {
   }
   const auto start = std::chrono::steady_clock::now();
   ShapePtr made = make_sdf(desc);
-  if (std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() >= worth_) keep(file, *made);
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  if (taken.count() >= kWorthKeeping) keep(file, *made);
   return made;
 }
 

@@ -16,7 +16,7 @@ class FieldCache {
   static constexpr double kWorthKeeping = 0.05;  // s that making a field takes at least to be kept
 
   // `stamp`: of the program; entries of others are not found.
-  FieldCache(std::filesystem::path folder, std::string stamp, double worth = kWorthKeeping);
+  FieldCache(std::filesystem::path folder, std::string stamp);
   // make_sdf, or what that gave in an earlier run.
   ShapePtr make(const SdfDesc& desc) const;
 
@@ -27,7 +27,6 @@ class FieldCache {
 
   std::filesystem::path folder_;
   std::string stamp_;
-  double worth_;
 };
 
 std::filesystem::path field_cache_folder();  // empty: there is no place for one

@@ -95,10 +95,8 @@ lua::HostOptions host_options(const Options& o) {
     host.memory_limit = static_cast<std::size_t>(std::min(read_number(o.memory, "--memory"), 1e18));
   timeout_seconds(o, 0);
   host.stop = &stop_flag();
-  if (!o.no_cache && !program_stamp().empty())
-    host.make_field = [cache = FieldCache(field_cache_folder(), program_stamp())](const SdfDesc& d) {
-      return cache.make(d);
-    };
+  if (const std::string stamp = program_stamp(); !o.no_cache && !stamp.empty())
+    host.make_field = [cache = FieldCache(field_cache_folder(), stamp)](const SdfDesc& d) { return cache.make(d); };
 #ifdef FEDER_HAS_YAML
   host.load_yaml = yaml::push;
 #endif

@@ -326,10 +326,11 @@ def api(_feder, _folder):
             owner = re.search(r"(\w+)[.:]\w", joined(signature))[1]
             says = re.sub(r";? ?see section \d( of the API)?", "", joined(doc)) or "options above"
             owners.setdefault(OWNERS.get(owner, owner), []).append(f"- `{joined(signature)}`: {says}")
-    for kind in re.findall(r"^feder_variant\(geom (\w+)(?: ALSO [^)]*)?\)", (ROOT / "runtime/geom/CMakeLists.txt").read_text(), re.M):
+    lists = (ROOT / "runtime/geom/CMakeLists.txt").read_text()
+    for kind in re.findall(r"^feder_variant\(geom (\w+)(?: ALSO [^)]*)?\)", lists, re.M):
         source = (ROOT / f"runtime/geom/{kind}.cpp").read_text()
-        usage, says = re.search(rf'return \{{\s*"{kind}",\s*"([^"]*)",\s*"([^"]*)"', source).groups()
-        owners["feder"].append(f"- `feder.{kind}{usage} -> shape`: {says}")
+        usage, says = re.search(rf'return \{{\s*"{kind}",\s*"([^"]*)",\s*((?:"[^"]*"\s*)+),', source).groups()
+        owners["feder"].append(f"- `feder.{kind}{usage} -> shape`: {joined(says)}")
     order = ("feder", "world", "object", "body", "joint", "region", "net", "cloth", "fluid", "emitter", "drain")
     names = [*order, *sorted(set(owners) - set(order))]
     return "\n\n".join("\n".join([f"**{name}**", "", *owners[name]]) for name in names)
