@@ -178,6 +178,22 @@ TEST_CASE("a hundred balls carved out of a block take their mass with them", "[l
   CHECK(ran.output == "100\ttrue\ttrue\n");
 }
 
+TEST_CASE("a ring round a cone sleeps on eight sides, wakes, and does the same from a snapshot", "[lua]") {
+  const Ran ran =
+      run("local ring = feder.sdf{ fn = function(x, y, z) local q = math.sqrt(x * x + z * z) - 0.5 "
+          "return math.sqrt(q * q + y * y) - 0.1 end, size = {1.32, 0.32, 1.32}, spacing = 0.04 } "
+          "world:body{ type = 'static', shape = feder.cone(1, 2), position = {0, 1, 0} } "
+          "local b = world:body{ shape = ring, position = {0, 1.25, 0} } "
+          "for _ = 1, 300 do world:step() end "
+          "local asleep, sides, hash, kept = not b:awake(), #b:contacts(), world:hash(), world:snapshot() "
+          "local function push() b:apply_impulse(20, 150, 0) for _ = 1, 60 do world:step() end return world:hash() end "
+          "local after = push() world:restore(kept) "
+          "print(asleep, sides > 4, world:hash() == hash, #b:contacts() == sides, push() == after, after ~= hash)",
+          {}, kWorld);
+  CHECK(ran.error == "");
+  CHECK(ran.output == "true\ttrue\ttrue\ttrue\ttrue\ttrue\n");
+}
+
 TEST_CASE("a mesh with a mass becomes a field and rests on the floor", "[lua]") {
   const Ran ran =
       run("local v = {{-1,-1,-1},{1,-1,-1},{1,1,-1},{-1,1,-1},{-1,-1,1},{1,-1,1},{1,1,1},{-1,1,1}} "
