@@ -13,8 +13,9 @@
 namespace feder {
 namespace {
 
-constexpr int kMaxShapes = 64;        // listed near a run of particles, before all are visited
-constexpr int kProjectionRounds = 4;  // for corners of several solids, before one of those that do not give way
+constexpr int kMaxShapes = 64;         // listed near a run of particles, before all are visited
+constexpr int kProjectionRounds = 4;   // for corners of several solids, before one of those that do not give way
+constexpr Real kSameFace = Real(0.7);  // cosine between normals of one surface, which turns on the way
 
 struct NearShapes {
   std::uint32_t list[kMaxShapes];
@@ -243,9 +244,12 @@ bool falls_short(const FluidPool& p, const BoundaryShape& w, const BoundaryConta
     }
   } else {
     if (near >= p.clearance) return false;
+    const Vec3 now = rotate(w.pose.rotation, exact);
+    if (dot(now, plane) > kSameFace) n = normalized_or(Vec3(plane + now), plane), d = near;
     // a convex solid pushes it back through the plane it came from: the nearest face may be another by now, with
     // another solid behind it
-    if (!one_sided) n = rotate(w.pose.rotation, exact), d = near;
+    else if (!one_sided)
+      n = now, d = near;
   }
   return d < p.clearance;
 }

@@ -126,8 +126,7 @@ void check_draught(const std::string& solver, int dimension, double share) {
   if (kFull) CHECK(draught / n == Approx(share * height).margin(spacing));
 }
 
-TEST_CASE("a floating beam lies as deep as its density says", "[fluid][closed]") {
-  if (kAsserts) return;  // release asks the same, in less time
+TEST_CASE("a floating beam lies as deep as its density says", "[fluid][closed][heavy]") {
   SECTION("pbf") { check_draught("pbf", 2, GENERATE(0.2, 0.35, 0.5, 0.65, 0.8, 0.9)); }
   SECTION("wcsph") { check_draught("wcsph", 2, GENERATE(0.2, 0.9)); }
   if (kLarge) SECTION("in space") {

@@ -116,8 +116,7 @@ TEST_CASE("surface tension draws a drop of any solver together", "[fluid][closed
 }
 
 TEST_CASE("with the colour field a drop of dfsph swings with Lamb's frequency, again and again",
-          "[fluid][color_field]") {
-  if (kAsserts) return;  // threads and asserts: tests/fluid/test_solver_contract.cpp
+          "[fluid][color_field][heavy]") {
   const double spacing = 0.006;
   const Swing s = swing("dfsph", 2, spacing, 2.1);
   if (!kFull) return;

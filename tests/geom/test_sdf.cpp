@@ -179,8 +179,7 @@ SdfDesc of_mesh(const Triangles& t, Real h, SdfAcquire how = SdfAcquire::exact) 
 
 }  // namespace
 
-TEST_CASE("the three ways to acquire a field agree within half a cell", "[geom][sdf]") {
-  if (kAsserts) return;  // release asks the same, in less time
+TEST_CASE("the three ways to acquire a field agree within half a cell", "[geom][sdf][heavy]") {
   const Real h = Real(0.05);
   for (const Solid& solid : kSolids) {
     const Triangles mesh = triangulated(solid, Real(0.031));
@@ -271,8 +270,7 @@ TEST_CASE("fields joined, cut and grown", "[geom][sdf]") {
   CHECK_THROWS_WITH(sdf_intersect(*ball, *ball, Pose{vec3(3, 0, 0), {}}), Catch::Contains("nothing is left"));
 }
 
-TEST_CASE("an adaptive field has an eighth of the bytes", "[geom][sdf]") {
-  if (kAsserts) return;  // release asks the same, in less time
+TEST_CASE("an adaptive field has an eighth of the bytes", "[geom][sdf][heavy]") {
   SdfDesc d;
   d.shape = make_sphere(1), d.spacing = Real(2.0 / 250);
   d.adaptive = true;

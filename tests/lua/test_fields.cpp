@@ -1,10 +1,10 @@
 // Distance fields from scripts: mistakes by message, what a field weighs, how bodies are carved, welded and come apart,
 // and that snapshots, recordings' commands and threads give the same.
-#include "feder/error.h"
+#include <sstream>
+
 #include "support/script.h"
 
 using namespace feder::test;
-using feder::kAsserts;
 
 namespace {
 
@@ -154,8 +154,7 @@ std::string chain(const std::string& R, const std::string& load, const std::stri
                    "print(worst < 0.02 * r, worst < 0.1 * r, math.abs(low) < 0.1, said)");
 }
 
-TEST_CASE("a chain of rings holds itself and ten times that, or says what would", "[lua]") {
-  if (kAsserts) return;  // 40 times as slow
+TEST_CASE("a chain of rings holds itself and ten times that, or says what would", "[lua][heavy]") {
   CHECK(chain("1", "0", "1 / 60", 60) == "true\ttrue\ttrue\tsilent\n");
   CHECK_THAT(chain("1", "10", "1 / 60", 60), Catch::StartsWith("true\ttrue\ttrue"));
   // a step is too long for what is so small under such a load: it says so, and what it names holds
@@ -163,8 +162,7 @@ TEST_CASE("a chain of rings holds itself and ten times that, or says what would"
   CHECK_THAT(chain("0.1", "4", "1 / 120", 10), Catch::StartsWith("true\ttrue\ttrue"));
 }
 
-TEST_CASE("a hundred balls carved out of a block take their mass with them", "[lua]") {
-  if (kAsserts) return;  // asserts make it 20 s
+TEST_CASE("a hundred balls carved out of a block take their mass with them", "[lua][heavy]") {
   const Ran ran = run(
       "local c = world:body{ shape = feder.sdf{ shape = feder.box(3, 2.4, 3), spacing = 0.1 }, position = {0, 9, 0} } "
       "local m, n = c:mass(), 0 "
@@ -207,24 +205,77 @@ TEST_CASE("a mesh with a mass becomes a field and rests on the floor", "[lua]") 
   CHECK(ran.output == "true\ttrue\tfalse\n");
 }
 
-TEST_CASE("cloth and fluid meet a field as they meet what it holds", "[lua]") {
-  if (kAsserts) return;  // release asks the same, in less time
-  const auto ends = [](const char* shape) {
-    const Ran ran =
-        run(std::string("world:body{ type = 'static', shape = ") + shape +
-                " } local c = world:cloth{ size = {1.2, 1.2}, resolution = {14, 14}, position = {0, 0.5, 0} } "
-                "local f = world:fluid{ spacing = 0.08 } f:fill{ box = {{-0.2, 0.7, -0.2}, {0.2, 1, 0.2}} } "
-                "for _ = 1, 90 do world:step() end "
-                "local function mean(b) local s = 0 for i = 2, #b, 3 do s = s + b[i] end return s / (#b / 3) end "
-                "print(mean(c:positions())) print(mean(f:positions()))",
-            {}, kWorld);
-    CHECK(ran.error == "");
-    return ran.output;
-  };
-  const std::string ball = ends("feder.sphere(0.4)"),
-                    field = ends("feder.sdf{ shape = feder.sphere(0.4), spacing = 0.02 }");
-  CAPTURE(ball, field);
-  CHECK(std::abs(std::stod(ball) - std::stod(field)) < 0.005);
-  const auto second = [](const std::string& s) { return std::stod(s.substr(s.find('\n'))); };
-  CHECK(std::abs(second(ball) - second(field)) < 0.13);  // 2 % of the way down
+// What comes to rest without folds lies vertex by vertex as on the ball; folds and drops are those of another throw
+// after a shift of a micrometre, and are compared by their means.
+TEST_CASE("cloth and fluid meet a field as they meet what it holds", "[lua][heavy]") {
+  const Ran ran = run(R"(
+    local ball = feder.sphere(0.4)
+    local field = feder.sdf{ shape = ball, spacing = 0.02 }
+    local function mean(b, first)
+      local s = 0
+      for i = first, #b, 3 do s = s + b[i] * 3 / #b end
+      return s
+    end
+    local function drape(shape, size, resolution)
+      local w = feder.world{}
+      w:body{ type = 'static', shape = shape }
+      local c = w:cloth{ size = { size, size }, resolution = { resolution, resolution }, position = { 0, 0.45, 0 } }
+      w:step(180)
+      return c:positions()
+    end
+    local a, b, most = drape(ball, 0.4, 12), drape(field, 0.4, 12), 0
+    for i = 1, #a, 3 do most = math.max(most, math.sqrt((a[i] - b[i])^2 + (a[i+1] - b[i+1])^2 + (a[i+2] - b[i+2])^2)) end
+    local folded = math.abs(mean(drape(ball, 1.2, 14), 2) - mean(drape(field, 1.2, 14), 2))
+    print(most, folded)
+
+    local function dam(shape)  -- from the wall at -0.6: the mean, and that of the 50 particles in front
+      local w = feder.world{}
+      local function solid(shape, x, y, z) w:body{ type = 'static', shape = shape, position = { x, y, z } } end
+      solid(feder.plane(), 0, 0, 0)
+      solid(shape, 0.9, 0, 0)
+      solid(feder.box(4, 2, 0.2), 1.4, 1, -0.5)
+      solid(feder.box(4, 2, 0.2), 1.4, 1, 0.5)
+      solid(feder.box(0.2, 2, 2), -0.7, 1, 0)
+      local f = w:fluid{ spacing = 0.08 }
+      f:fill{ box = { { -0.6, 0, -0.4 }, { 0.2, 0.8, 0.4 } } }
+      w:step(50)
+      local p, front, x = f:positions(), 0, {}
+      for i = 1, #p, 3 do x[#x + 1] = p[i] end
+      table.sort(x)
+      for i = #x - 49, #x do front = front + x[i] / 50 end
+      return mean(p, 1) + 0.6, front + 0.6
+    end
+    local m1, f1 = dam(ball)
+    local m2, f2 = dam(field)
+    print(m2 / m1 - 1, f2 / f1 - 1)
+
+    local function wet(shape)  -- both at once, six throws
+      local cloth, fluid = 0, 0
+      for k = 1, 6 do
+        local w = feder.world{}
+        w:body{ type = 'static', shape = shape }
+        local c = w:cloth{ size = { 1.2, 1.2 }, resolution = { 14, 14 }, position = { 3e-6 * k, 0.5, 0 } }
+        local f = w:fluid{ spacing = 0.08 }
+        f:fill{ box = { { -0.2, 0.7, -0.2 }, { 0.2, 1, 0.2 } } }
+        w:step(90)
+        cloth, fluid = cloth + mean(c:positions(), 2) / 6, fluid + mean(f:positions(), 2) / 6
+      end
+      return cloth, fluid
+    end
+    local c1, w1 = wet(ball)
+    local c2, w2 = wet(field)
+    print(math.abs(c2 - c1), w2 / w1 - 1)
+  )",
+                      {}, kWorld);
+  CHECK(ran.error == "");
+  CAPTURE(ran.output);
+  std::istringstream numbers(ran.output);
+  double drape = 1, folded = 1, mean = 1, front = 1, cloth = 1, water = 1;
+  numbers >> drape >> folded >> mean >> front >> cloth >> water;
+  CHECK(drape < 0.005);
+  CHECK(folded < 0.005);
+  CHECK(std::abs(mean) < 0.02);
+  CHECK(std::abs(front) < 0.02);
+  CHECK(cloth < 0.005);
+  CHECK(std::abs(water) < 0.02);
 }

@@ -71,8 +71,7 @@ std::string stored(const std::string& key) {
 
 }  // namespace
 
-TEST_CASE("hashes do not depend on threads, compiler or optimisation", "[rigid][determinism][threads]") {
-  if (kAsserts) return;  // release asks the same, in less time
+TEST_CASE("hashes do not depend on threads, compiler or optimisation", "[rigid][determinism][threads][heavy]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   CAPTURE(solver);
   const std::uint64_t one = run(solver, 1);
@@ -93,8 +92,8 @@ TEST_CASE("hashes do not depend on threads, compiler or optimisation", "[rigid][
 // What orders a solve (islands, colours, trees, lists, axes, recycled contacts) is kept between steps, but is a
 // function of the state: made anew in every step, or restored now and then, it gives the same bits, whatever was made,
 // destroyed, put to sleep and woken meanwhile.
-TEST_CASE("what is kept between steps is in the state or follows from it", "[rigid][once][determinism][threads]") {
-  if (kAsserts) return;  // release asks the same, in less time
+TEST_CASE("what is kept between steps is in the state or follows from it",
+          "[rigid][once][determinism][threads][heavy]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   CAPTURE(solver);
   enum class Way { plain, rebuilt, restored };
@@ -133,8 +132,7 @@ TEST_CASE("what is kept between steps is in the state or follows from it", "[rig
 
 // Tasks of a host: a queue that two threads empty.
 TEST_CASE("a host's threads give the same bits, and helpers may outlive the world",
-          "[rigid][once][determinism][threads]") {
-  if (kAsserts) return;  // release asks the same, in less time
+          "[rigid][once][determinism][threads][heavy]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   CAPTURE(solver);
   std::mutex lock;
