@@ -238,6 +238,8 @@ void Cloth::Impl::show(const Sheet& s) {
   static_assert(sizeof(ClothEdge) % sizeof(std::uint32_t) == 0 && offsetof(ClothEdge, b) == sizeof(std::uint32_t));
   f.edges = {s.mesh.edges.empty() ? nullptr : &s.mesh.edges[0].a, sizeof(ClothEdge) / sizeof(std::uint32_t),
              static_cast<std::uint32_t>(s.mesh.edges.size())};
+  f.borders = s.mesh.edges.empty() ? nullptr : &s.mesh.edges[0].triangle[1];
+  f.version = s.version;
   f.rest = vertices.rest.data() + s.first;
   f.thickness = s.settings.thickness, f.friction = s.settings.friction, f.wakes = kClothCause;
   f.relaxation = s.solver->relaxation();

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/checks.h"
+#include "contact/flat_parts.h"
 #include "contact/near_search.h"
 #include "contact/surface_contact.h"
 #include "state/contact_book.h"
@@ -52,6 +53,16 @@ struct SurfaceContact::Impl {
   Array<std::uint32_t> near_surface{&arena};  // by point: its surface
   std::uint64_t projected = 0, widened = 0;   // corrections and second searches of the last step
 
+  // Parts of surfaces with self-contact, by object; and of this search, by surface: null where all of it is searched.
+  struct PartsOf {
+    ObjectId object;
+    std::unique_ptr<FlatParts> parts;
+  };
+  std::vector<PartsOf> all_parts;
+  Array<FlatParts*> flat_parts{&arena};
+  Array<unsigned char> sealed{&arena};  // by surface: 1: nothing of it can meet itself in this search
+  Array<Real> bearable{&arena};    // by surface: deviation of its points that the search allows, m
+
   Array<Aabb> others_box{&arena};  // by surface: of those that it may be in contact with
   Array<Aabb> box{&arena};         // by surface
   double mismatch = 0, given = 0;  // N s, of the last step: largest sum of both sides' impulses; sum of impulses
@@ -95,6 +106,17 @@ struct SurfaceContact::Impl {
   // from the extrapolated motion by all of it.
   void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
   void bound_others(const SurfaceGroup& g);
+  FlatParts& parts_of(const Surface& s);
+  void measure_parts(const SurfaceGroup& g, Real time);
+  // Whether a feature of surface n is searched for contact by trees.
+  bool searched(std::uint32_t n, const Aabb& bounds) const {
+    const Surface& s = list[n];
+    return (s.active && s.self && !flat_parts[n]) || overlaps(bounds, others_box[n]);
+  }
+  // Whether the trees answer for two points: not within a surface that has parts.
+  bool searched_together(std::uint32_t i, std::uint32_t j) const {
+    return near_surface[i] != near_surface[j] || !flat_parts[near_surface[i]];
+  }
   // Bounds of three points over the rest of the step; c may be b.
   Aabb box_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {
     Aabb all = vertex_box[a];

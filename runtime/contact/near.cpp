@@ -19,6 +19,7 @@ namespace {
 constexpr Real kRestShare = Real(0.9);  // of the rest distance, kept where that is below the thickness
 constexpr Real kNear = Real(1.1);       // thicknesses below which a pair gets a row
 constexpr int kMaxSearches = 64;        // parts of a substep
+constexpr Real kClosedShare = Real(0.2);  // of a certificate (flat_parts.h), that deviations may take
 constexpr Real kFreeShare =
     Real(0.05);  // of the weights on free vertices, below which a pair is that of its pinned ones
 
@@ -101,8 +102,7 @@ bool SurfaceContact::Impl::near_wanted(const SurfaceGroup& g) const {
   return false;
 }
 
-// Bounds of all that a surface may be in contact with in this step: everything where it may be in contact with itself,
-// nothing where it takes no part.
+// Bounds of what other surfaces a surface may be in contact with in this step: nothing where there are none.
 void SurfaceContact::Impl::bound_others(const SurfaceGroup& g) {
   box.resize(list.size()), others_box.resize(list.size());
   for (const std::uint32_t n : g.members) {
@@ -110,7 +110,6 @@ void SurfaceContact::Impl::bound_others(const SurfaceGroup& g) {
     box[n] = others_box[n] = Aabb();
     if (paired(n))
       for (std::uint32_t i = s.first; i < s.first + s.count; ++i) box[n].include(vertex_box[i]);
-    if (s.active && s.self) others_box[n] = Aabb::everything();
   }
   for (const SurfacePair& k : surface_pairs) {
     if (list[k.a].loop != list[g.members[0]].loop) continue;
@@ -118,9 +117,39 @@ void SurfaceContact::Impl::bound_others(const SurfaceGroup& g) {
   }
 }
 
+FlatParts& SurfaceContact::Impl::parts_of(const Surface& s) {
+  for (PartsOf& p : all_parts)
+    if (p.object == s.object) return *p.parts;
+  all_parts.push_back({s.object, std::make_unique<FlatParts>(arena)});
+  return *all_parts.back().parts;
+}
+
+// Contacts of flat sheets with themselves are found by their parts. Where a smaller deviation would rule out all of
+// them, that is what the search allows.
+void SurfaceContact::Impl::measure_parts(const SurfaceGroup& g, Real time) {
+  for (const std::uint32_t n : g.members) {
+    const Surface& s = list[n];
+    if (!s.active || !s.self) continue;
+    FlatParts& p = parts_of(s);
+    p.build(s);
+    if (!p.flat()) continue;
+    Real* deviation = max_deviation.data() + s.first;
+    p.measure({search_position.data() + s.first, search_velocity.data() + s.first, deviation, time});
+    flat_parts[n] = &p, sealed[n] = p.decide(kInfinity);
+    if (sealed[n]) continue;
+    const Real less = kClosedShare / p.heights();
+    if (less < bearable[n] && (sealed[n] = p.decide(less))) {
+      bearable[n] = less;
+      for (std::uint32_t i = 0; i < s.count; ++i) deviation[i] = std::min(deviation[i], less);
+    } else if (less < bearable[n]) {
+      p.decide(kInfinity);
+    }
+  }
+}
+
 // Points, triangles and edges of the surfaces that take part, with their swept boxes.
 void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held) {
-  near.near_vertex.clear(), near.near_triangle.clear(), near.near_edge.clear();
+  for_each_of([](auto& array) { array.clear(); }, near.near_vertex, near.near_point, near.near_triangle, near.near_edge);
   // drift: boxes move along with a group that nothing holds, else they would cover its path
   near.drift = Vec3::Zero();
   Real sum = 0;
@@ -135,9 +164,10 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
   // points: uniform motion relative to the drift, and the allowed deviation round it
   const std::uint32_t size = surfaces.size();
   vertex_box.resize(size), search_position.resize(size), search_velocity.resize(size), max_deviation.resize(size);
-  near_surface.resize(size);
+  near_surface.resize(size), flat_parts.resize(list.size()), bearable.resize(list.size()), sealed.resize(list.size());
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
+    flat_parts[n] = nullptr, sealed[n] = 0, bearable[n] = kMaxDeviation * s.thickness;
     if (!(s.active && s.self) && !paired(n)) continue;
     const Real half = Real(0.5) * s.thickness;
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
@@ -148,32 +178,28 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
       const Vec3 beside = search_velocity[i] - near.drift, far = search_position[i] + time * beside;
       // a point that the projection holds back to the drift deviates by all of its motion
       max_deviation[i] =
-          delta_position[i].w == 0 ? Real(0) : kMaxDeviation * s.thickness + (held ? time * length(beside) : Real(0));
+          delta_position[i].w == 0 ? Real(0) : bearable[n] + (held ? time * length(beside) : Real(0));
       Aabb& b = vertex_box[i];
       b.lo = search_position[i].cwiseMin(far), b.hi = search_position[i].cwiseMax(far);
       b.grow(max_deviation[i] + Real(1.1) * half);
     }
   }
-  // triangles and edges: all of a surface with self-contact, else those near others
   bound_others(g);
+  measure_parts(g, time);
+  // features that may be in contact
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
-    const Aabb& others = others_box[n];
     const std::uint32_t* ends = s.edges.ends;
-    if (s.active && s.self) {
-      for (const std::uint32_t v : s.triangles) near.near_triangle.push_back(s.first + v);
-      for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride)
-        near.near_edge.push_back(s.first + ends[0]), near.near_edge.push_back(s.first + ends[1]);
-      continue;
-    }
-    if (others.empty()) continue;
+    if (!(s.active && s.self) && others_box[n].empty()) continue;
+    for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
+      if (searched(n, vertex_box[i])) near.near_point.push_back(i);
     for (std::size_t t = 0; t + 2 < s.triangles.size(); t += 3) {
       const std::uint32_t* v = &s.triangles[t];
-      if (!overlaps(box_of(s.first + v[0], s.first + v[1], s.first + v[2]), others)) continue;
+      if (!searched(n, box_of(s.first + v[0], s.first + v[1], s.first + v[2]))) continue;
       for (int k = 0; k < 3; ++k) near.near_triangle.push_back(s.first + v[k]);
     }
     for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride) {
-      if (!overlaps(box_of(s.first + ends[0], s.first + ends[1], s.first + ends[1]), others)) continue;
+      if (!searched(n, box_of(s.first + ends[0], s.first + ends[1], s.first + ends[1]))) continue;
       near.near_edge.push_back(s.first + ends[0]), near.near_edge.push_back(s.first + ends[1]);
     }
   }
@@ -237,6 +263,14 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
   near.since_found = 0;
   near.pairs.clear();
   list_features(g, near, time, held);
+  for (const std::uint32_t n : g.members) {
+    if (!flat_parts[n] || sealed[n]) continue;
+    const std::uint32_t first = list[n].first;
+    flat_parts[n]->find_pairs(kNear * list[n].thickness, [&](const std::uint32_t(&v)[4], bool edges) {
+      add_pair(near, {first + v[0], first + v[1], first + v[2], first + v[3]}, edges, time);
+    });
+  }
+  if (near.near_point.empty() && near.near_edge.empty()) return;
   // the trees are refitted by later searches of the step but built anew in the next one: the order of near.pairs must
   // follow from the state at the start of a step
   const std::span<const Aabb> triangle_boxes(near.triangle_box.data(), near.triangle_box.size()),
@@ -245,20 +279,18 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
   near.trees_stale ? near.edge_tree.build(edge_boxes) : near.edge_tree.refit(edge_boxes);
   near.trees_stale = false;
   // points against triangles
-  for (const std::uint32_t i : near.near_vertex) {
-    const Surface& own = list[near_surface[i]];
-    if (!(own.self && own.active) && !overlaps(vertex_box[i], others_box[near_surface[i]])) continue;
+  for (const std::uint32_t i : near.near_point) {
     near.triangle_tree.query(vertex_box[i], [&](std::uint32_t t) {
       FEDER_ASSERT(t < near.triangle_box.size());
       const std::uint32_t* k = &near.near_triangle[3 * t];
-      if (k[0] != i && k[1] != i && k[2] != i) add_pair(near, {i, k[0], k[1], k[2]}, false, time);
+      if (k[0] != i && k[1] != i && k[2] != i && searched_together(i, k[2])) add_pair(near, {i, k[0], k[1], k[2]}, false, time);
     });
   }
   // edges against later edges
   near.edge_tree.pairs([&](std::uint32_t e, std::uint32_t f) {
     const std::uint32_t a = near.near_edge[2 * e], b = near.near_edge[2 * e + 1];
     const std::uint32_t p = near.near_edge[2 * f], q = near.near_edge[2 * f + 1];
-    if (a != p && a != q && b != p && b != q) add_pair(near, {a, b, p, q}, true, time);
+    if (a != p && a != q && b != p && b != q && searched_together(a, p)) add_pair(near, {a, b, p, q}, true, time);
   });
 }
 

@@ -23,13 +23,14 @@ struct NearPair {
 // All of it is made anew in each step.
 struct NearSearch {
   explicit NearSearch(Arena& a)
-      : pairs(&a), near_vertex(&a), near_triangle(&a), near_edge(&a), triangle_box(&a), edge_box(&a), triangle_tree(a),
-        edge_tree(a) {}
+      : pairs(&a), near_vertex(&a), near_point(&a), near_triangle(&a), near_edge(&a),
+        triangle_box(&a), edge_box(&a), triangle_tree(a), edge_tree(a) {}
 
   bool near = false;   // its surfaces may be in contact, so that it searches at all
   int near_every = 1;  // solver substeps from one update of rows and normals to the next
   Array<NearPair> pairs;
   Array<std::uint32_t> near_vertex;               // points of the surfaces that take part
+  Array<std::uint32_t> near_point;                // those of them that may be in contact
   Array<std::uint32_t> near_triangle, near_edge;  // three and two points per item of the trees
   Array<Aabb> triangle_box, edge_box;             // swept over the rest of the step, relative to the drift
   BoxTree triangle_tree, edge_tree;

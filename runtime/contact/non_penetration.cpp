@@ -32,7 +32,7 @@ bool SurfaceContact::Impl::within_search(NearSearch& near, Real part) {
     FEDER_ASSERT(near_surface[i] < list.size() && !(max_deviation[i] < 0));
     if (delta_position[i].w == 0) continue;
     const Real far = length(deviation(near, i)), faster = length(Vec3(velocity[i].vec() - search_velocity[i]));
-    const Real most = Real(0.75) * kMaxDeviation * list[near_surface[i]].thickness;
+    const Real most = Real(0.75) * bearable[near_surface[i]];
     near.pairs_stale = near.pairs_stale || far > most || part * faster > most;
     good = good && !(far > max_deviation[i]);
   }

@@ -38,6 +38,8 @@ struct Surface {
   std::uint32_t first = 0, count = 0, total = 0;  // run of points: visible ones, then hidden ones
   std::span<const std::uint32_t> triangles;       // three numbers each
   EdgeView edges;
+  const std::uint32_t* borders = nullptr;  // by edge, with the stride of `edges`: kNone where it has one triangle alone
+  std::uint64_t version = 0;               // changes with triangles and edges
   const Vec3* rest = nullptr;  // by point, unstrained, m; null: no self-contact
   Real thickness = 0;          // m, between two layers; half of it to bodies
   Real friction = 0;

@@ -104,7 +104,8 @@ void StepPlan::run_loop(PlanNode& loop, std::uint32_t first, StepContext& c) {
       else
         c.inner = {static_cast<int>(g), k, counts[g]};
       const bool clocked = --idle < 0;
-      if (clocked) idle = clock_every_ - 1;
+      // uneven, or loops of a multiple of kClockEvery would always show the same iterations
+      if (clocked) idle = clock_every_ == 1 ? 0 : clock_every_ - 1 + static_cast<int>(loop.counter.calls % 3);
       run_nodes(first, loop.end, c, clocked);
       ++loop.counter.calls;
     }
