@@ -8,12 +8,12 @@
 namespace feder {
 namespace {
 
-constexpr int kBlockCells = 4;           // mean edges along the side of a block
-constexpr int kMostBlocks = 64;          // along a side
-constexpr Real kSure = Real(0.5);        // least share of a distance at rest that is kept: sheets bend by 60 degrees
-constexpr Real kFlatness = Real(1e-4);   // of the extent: how far points of a flat rest shape lie from its plane
-constexpr Real kCovered = Real(1e-3);    // error of the area of a window that is covered once
-constexpr Real kInside = Real(1e-3);     // of the longest edge: how far a border is inside of a window
+constexpr int kBlockCells = 4;          // mean edges along the side of a block
+constexpr int kMostBlocks = 64;         // along a side
+constexpr Real kSure = Real(0.5);       // least share of a distance at rest that is kept: sheets bend by 60 degrees
+constexpr Real kFlatness = Real(1e-4);  // of the extent: how far points of a flat rest shape lie from its plane
+constexpr Real kCovered = Real(1e-3);   // error of the area of a window that is covered once
+constexpr Real kInside = Real(1e-3);    // of the longest edge: how far a border is inside of a window
 
 Vec3 in_plane(const Vec3& n) {  // a unit vector across n
   const Vec3 a = std::abs(n[0]) < Real(0.6) ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
@@ -134,8 +134,7 @@ void FlatParts::list_triangles(const Surface& s, const Vec3 (&axis)[2]) {
     Real e[3][2];
     for (std::size_t c = 0; c < 3; ++c) t.v[c] = s.triangles[3 * k + c];
     for (std::size_t c = 0; c < 3; ++c)
-      for (std::uint32_t d = 0; d < 2; ++d)
-        e[c][d] = flat_[2 * t.v[(c + 1) % 3] + d] - flat_[2 * t.v[c] + d];
+      for (std::uint32_t d = 0; d < 2; ++d) e[c][d] = flat_[2 * t.v[(c + 1) % 3] + d] - flat_[2 * t.v[c] + d];
     const Real det = e[0][1] * e[2][0] - e[0][0] * e[2][1];  // edges 0 and -2
     t.area = det / 2;
     if (!(t.area > 0)) return;
@@ -191,7 +190,6 @@ void FlatParts::list_features(Features& f, std::uint32_t points, Each&& each) {
   f.first[0] = 0;
 }
 
-
 // Triangles of the grown squares of blocks, and whether those are covered once, without a border inside.
 void FlatParts::check_covers(const Surface& s, Real reach) {
   const Real side[2] = {(hi_[0] - lo_[0]) / static_cast<Real>(nx_), (hi_[1] - lo_[1]) / static_cast<Real>(ny_)};
@@ -205,7 +203,7 @@ void FlatParts::check_covers(const Surface& s, Real reach) {
     return r;
   };
   // f(block) for the blocks whose grown squares a box in the plane meets
-  const auto each_block = [&](const Real (&lo)[2], const Real (&hi)[2], auto&& f) {
+  const auto each_block = [&](const Real(&lo)[2], const Real(&hi)[2], auto&& f) {
     int first[2], last[2];
     for (int k = 0; k < 2; ++k) {
       const int n = k == 0 ? nx_ : ny_;
@@ -269,7 +267,7 @@ void FlatParts::check_covers(const Surface& s, Real reach) {
 // Frame and certificate of a block.
 void FlatParts::measure_block(Block& b, std::span<const std::uint32_t> own, const Motion& m) {
   b.least = -1, b.largest = b.deviation = 0;
-  const auto gradient = [](const Triangle& t, const Vec3& a, const Vec3& c, Vec3 (&f)[2]) {
+  const auto gradient = [](const Triangle& t, const Vec3& a, const Vec3& c, Vec3(&f)[2]) {
     f[0] = t.inverse[0] * a + t.inverse[2] * c, f[1] = t.inverse[1] * a + t.inverse[3] * c;
   };
   Vec3 sum[2] = {Vec3::Zero(), Vec3::Zero()};

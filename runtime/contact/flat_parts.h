@@ -1,5 +1,5 @@
-// Which parts of a sheet cannot be in contact with each other. A map x of a convex flat domain with gradient F for which
-// the symmetric part of R^T F is at least c > 0 everywhere, with one frame R of two orthonormal columns, keeps
+// Which parts of a sheet cannot be in contact with each other. A map x of a convex flat domain with gradient F for
+// which the symmetric part of R^T F is at least c > 0 everywhere, with one frame R of two orthonormal columns, keeps
 // distances: |x(p) - x(q)| >= c |p - q| (Ortega and Rheinboldt 1970, 5.4: monotone maps). So where a window of the rest
 // shape moves nearly as one piece, its points are no nearer to each other than a share of what they are at rest, and
 // need no search for contact. F is constant in a triangle and linear in the positions, so both ends of a uniform motion
@@ -52,12 +52,12 @@ class FlatParts {
     Frame frame;
     Real least = -1, largest = 0, heights = 0;  // symmetric part, gradient, sum of inverse heights (1/m)
     Real deviation = 0;                         // of their points, m
-    bool covered = false;  // its grown square at rest lies in the mesh, once
+    bool covered = false;                       // its grown square at rest lies in the mesh, once
     // of its own features
-    Vec3 drift = Vec3::Zero();   // mean velocity of its points, m/s
-    bool boxed = false;          // boxes of its features are those of this search
+    Vec3 drift = Vec3::Zero();  // mean velocity of its points, m/s
+    bool boxed = false;         // boxes of its features are those of this search
   };
-  struct Node {  // of blocks: bounds of their features
+  struct Node {        // of blocks: bounds of their features
     Aabb box, motion;  // positions, m, and velocities, m/s
   };
   struct Meeting {
@@ -71,8 +71,9 @@ class FlatParts {
   // Features by block, each in that of its first point.
   struct Features {
     explicit Features(Arena& a)
-        : first(&a), v(&a), box(&a), lo{Array<Real>(&a), Array<Real>(&a), Array<Real>(&a)},
-          hi{Array<Real>(&a), Array<Real>(&a), Array<Real>(&a)} {}
+        : first(&a), v(&a),
+          box(&a), lo{Array<Real>(&a), Array<Real>(&a), Array<Real>(&a)}, hi{Array<Real>(&a), Array<Real>(&a),
+                                                                             Array<Real>(&a)} {}
     Array<std::uint32_t> first, v;  // `points` numbers each
     Array<Aabb> box;                // of all of a block
     Array<Real> lo[3], hi[3];       // swept, beside the drift of the block, m
@@ -93,14 +94,15 @@ class FlatParts {
   // Those of the features of a block that may meet `box`, which moves by `apart` beside it.
   struct Some {
     explicit Some(Arena& a)
-        : item(&a), lo{Array<Real>(&a), Array<Real>(&a), Array<Real>(&a)},
-          hi{Array<Real>(&a), Array<Real>(&a), Array<Real>(&a)} {}
+        : item(&a), lo{Array<Real>(&a), Array<Real>(&a), Array<Real>(&a)}, hi{Array<Real>(&a), Array<Real>(&a),
+                                                                              Array<Real>(&a)} {}
     Array<std::uint32_t> item;
     Array<Real> lo[3], hi[3];
     std::uint32_t count = 0;
   };
   static void pick(const Features& f, std::uint32_t block, const Aabb& box, const Vec3& apart, Some& out);
-  // Indices in `hits_` of those from `from` on, of a block that goes `apart` beside that of `a`, which item k of `a` may meet.
+  // Indices in `hits_` of those from `from` on, of a block that goes `apart` beside that of `a`, which item k of `a`
+  // may meet.
   std::span<const std::uint32_t> hits(const Some& a, std::uint32_t k, const Some& b, std::uint32_t from,
                                       const Vec3& apart);
   template <class F>

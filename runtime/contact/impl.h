@@ -61,7 +61,7 @@ struct SurfaceContact::Impl {
   std::vector<PartsOf> all_parts;
   Array<FlatParts*> flat_parts{&arena};
   Array<unsigned char> sealed{&arena};  // by surface: 1: nothing of it can meet itself in this search
-  Array<Real> bearable{&arena};    // by surface: deviation of its points that the search allows, m
+  Array<Real> bearable{&arena};         // by surface: deviation of its points that the search allows, m
 
   Array<Aabb> others_box{&arena};  // by surface: of those that it may be in contact with
   Array<Aabb> box{&arena};         // by surface

@@ -5,9 +5,10 @@
 // along the true displacements when one did: usually there is one search per step, and one per substep while cloth is
 // being stopped. In each substep the closest points of candidates (Ericson, Real-Time Collision Detection, 2005, 5.1.5
 // and 5.1.9) give rows that keep the thickness, where Bridson, Fedkiw & Anderson 2002 have repulsion impulses.
-// A pair that is closer than the thickness at rest keeps to its rest distance.
-// Kept between steps: nothing. Weak spot: normals and weights are frozen through a substep, or a part of one where the
-// approach is fast; that no pair crosses meanwhile is left to the projection.
+// A pair that is closer than the thickness at rest keeps to its rest distance. A flat sheet against itself is searched
+// by its parts instead of by trees (flat_parts.h): what moves as one piece costs a test per triangle.
+// Kept between steps: nothing but what follows from meshes. Weak spot: normals and weights are frozen through a
+// substep, or a part of one where the approach is fast; that no pair crosses meanwhile is left to the projection.
 #include <algorithm>
 #include <cmath>
 
@@ -16,9 +17,9 @@
 namespace feder {
 namespace {
 
-constexpr Real kRestShare = Real(0.9);  // of the rest distance, kept where that is below the thickness
-constexpr Real kNear = Real(1.1);       // thicknesses below which a pair gets a row
-constexpr int kMaxSearches = 64;        // parts of a substep
+constexpr Real kRestShare = Real(0.9);    // of the rest distance, kept where that is below the thickness
+constexpr Real kNear = Real(1.1);         // thicknesses below which a pair gets a row
+constexpr int kMaxSearches = 64;          // parts of a substep
 constexpr Real kClosedShare = Real(0.2);  // of a certificate (flat_parts.h), that deviations may take
 constexpr Real kFreeShare =
     Real(0.05);  // of the weights on free vertices, below which a pair is that of its pinned ones
@@ -149,7 +150,8 @@ void SurfaceContact::Impl::measure_parts(const SurfaceGroup& g, Real time) {
 
 // Points, triangles and edges of the surfaces that take part, with their swept boxes.
 void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held) {
-  for_each_of([](auto& array) { array.clear(); }, near.near_vertex, near.near_point, near.near_triangle, near.near_edge);
+  for_each_of([](auto& array) { array.clear(); }, near.near_vertex, near.near_point, near.near_triangle,
+              near.near_edge);
   // drift: boxes move along with a group that nothing holds, else they would cover its path
   near.drift = Vec3::Zero();
   Real sum = 0;
@@ -177,8 +179,7 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
       search_velocity[i] = delta_position[i].w != 0 ? velocity[i].vec() : Vec3(0, 0, 0);
       const Vec3 beside = search_velocity[i] - near.drift, far = search_position[i] + time * beside;
       // a point that the projection holds back to the drift deviates by all of its motion
-      max_deviation[i] =
-          delta_position[i].w == 0 ? Real(0) : bearable[n] + (held ? time * length(beside) : Real(0));
+      max_deviation[i] = delta_position[i].w == 0 ? Real(0) : bearable[n] + (held ? time * length(beside) : Real(0));
       Aabb& b = vertex_box[i];
       b.lo = search_position[i].cwiseMin(far), b.hi = search_position[i].cwiseMax(far);
       b.grow(max_deviation[i] + Real(1.1) * half);
@@ -283,7 +284,8 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
     near.triangle_tree.query(vertex_box[i], [&](std::uint32_t t) {
       FEDER_ASSERT(t < near.triangle_box.size());
       const std::uint32_t* k = &near.near_triangle[3 * t];
-      if (k[0] != i && k[1] != i && k[2] != i && searched_together(i, k[2])) add_pair(near, {i, k[0], k[1], k[2]}, false, time);
+      if (k[0] != i && k[1] != i && k[2] != i && searched_together(i, k[2]))
+        add_pair(near, {i, k[0], k[1], k[2]}, false, time);
     });
   }
   // edges against later edges

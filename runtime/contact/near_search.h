@@ -23,8 +23,8 @@ struct NearPair {
 // All of it is made anew in each step.
 struct NearSearch {
   explicit NearSearch(Arena& a)
-      : pairs(&a), near_vertex(&a), near_point(&a), near_triangle(&a), near_edge(&a),
-        triangle_box(&a), edge_box(&a), triangle_tree(a), edge_tree(a) {}
+      : pairs(&a), near_vertex(&a), near_point(&a), near_triangle(&a), near_edge(&a), triangle_box(&a), edge_box(&a),
+        triangle_tree(a), edge_tree(a) {}
 
   bool near = false;   // its surfaces may be in contact, so that it searches at all
   int near_every = 1;  // solver substeps from one update of rows and normals to the next

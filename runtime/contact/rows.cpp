@@ -95,6 +95,7 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
       response.add(x.w, r.weight[k]);
     }
     const Real gap = r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm));
+    r.pushed = 0;
     if (!(gap < 0)) continue;
     FEDER_ASSERT(is_direction(r.normal) && !(r.friction < 0) && r.relaxation > 0);
     FEDER_ASSERT(!near || r.contact_state == kNone || r.contact_state < surface_pairs.size());
@@ -106,7 +107,7 @@ void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h
     const Real need = std::min(-gap, kPushSpeed * h + std::max(-closing, Real(0)));
     const Real push = r.relaxation * need / along;  // kg m
     if (r.impulse == 0) r.approach = std::max(-closing / h, Real(0));
-    r.impulse += push / h;
+    r.impulse += push / h, r.pushed = push / h;
     FEDER_ASSERT(!(push < 0));  // contacts do not pull
 
     // friction: the sliding of this solver substep, within the cone
@@ -172,12 +173,14 @@ void SurfaceContact::Impl::balance(const SurfaceRow& r, const Vec3 (&x)[4], cons
     tilt[1] = s + t, tilt[2] = -s, tilt[3] = -t;
 }
 
-// Fully plastic contact: where a row that pushed now separates, the relative velocity along the normal becomes zero.
+// Fully plastic contact: where a row that pushed now separates, the relative velocity along the normal becomes zero. A
+// row that other rows have pushed open in this solver substep gives back what it gave in it: on a curved body the
+// points of an edge lie farther out than its middle, and would bounce for ever.
 void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real h) {
   SolverBodies* solver_bodies = surfaces.solver_bodies;
   for (SurfaceRow& r : rows) {
     if (r.impulse == 0) continue;
-    // only rows that are still closed
+    // only rows that are still closed, or were when this solver substep began
     Vec3 d = Vec3::Zero(), u = Vec3::Zero();
     RowResponse response;
     for (int k = 0; k < 4; ++k) {
@@ -186,14 +189,15 @@ void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real
       u += r.weight[k] * velocity[r.vertex[k]].vec();
       response.add(delta_position[r.vertex[k]].w, r.weight[k]);
     }
-    if (r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm)) > Real(1e-3) * h) continue;
+    const bool of_fluid = r.solver_index != 0 && r.contact_state == kNone;
+    const bool open = r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm)) > Real(1e-3) * h;
+    if (open && (of_fluid || r.pushed == 0)) continue;
     if (r.solver_index != 0) u -= velocity_at(solver_bodies->state[r.solver_index], r.arm);
     const Real parting = dot(r.normal, u),
                along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
     if (!(parting > 0) || !(along > 0)) continue;
     // no more than the row has given; to a particle of a fluid in all solver substeps, or it would be held by the sheet
-    const bool of_fluid = r.solver_index != 0 && r.contact_state == kNone;
-    const Real impulse = std::min(parting / along, of_fluid ? r.impulse - r.returned : r.impulse);
+    const Real impulse = std::min(parting / along, of_fluid ? r.impulse - r.returned : open ? r.pushed : r.impulse);
     if (!(impulse > 0)) continue;
     r.returned += impulse;
     Real tilt[4] = {0, 0, 0, 0};

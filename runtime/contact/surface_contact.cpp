@@ -36,6 +36,7 @@ void SurfaceContact::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();
   m->wake_left();
   m->surfaces.forget();  // objects that it names may be gone
+  std::erase_if(m->all_parts, [&](const Impl::PartsOf& p) { return !m->objects.alive(p.object); });
   m->surfaces.solver_bodies = m->store.find<SolverBodies>();
   if (!m->surfaces.wanted()) return;
   const bool pairs = m->surfaces.declared() > 1;

@@ -40,8 +40,8 @@ struct Surface {
   EdgeView edges;
   const std::uint32_t* borders = nullptr;  // by edge, with the stride of `edges`: kNone where it has one triangle alone
   std::uint64_t version = 0;               // changes with triangles and edges
-  const Vec3* rest = nullptr;  // by point, unstrained, m; null: no self-contact
-  Real thickness = 0;          // m, between two layers; half of it to bodies
+  const Vec3* rest = nullptr;              // by point, unstrained, m; null: no self-contact
+  Real thickness = 0;                      // m, between two layers; half of it to bodies
   Real friction = 0;
   Real relaxation = 1;  // of contact corrections, as its solver wants it
   std::uint32_t group = 1, mask = 0xffffffffu;
@@ -76,6 +76,7 @@ struct SurfaceRow {
   std::uint32_t edges = 0;              // between surfaces: 1: edge against edge; else point against triangle
   // written by the solver
   Real impulse = 0;   // along the normal in this substep, N s
+  Real pushed = 0;    // the part of it in this solver substep
   Real returned = 0;  // the part of it that was returned as rebound, N s
   Real approach = 0;  // closing speed before the first impulse of the substep, m/s
 };
