@@ -100,6 +100,7 @@ struct Cloth::Impl {
   void choose_steps(StepContext& c);
   double swing(const Sheet& s) const;
   void check_damping(Sheet& s, StepContext& c);
+  void check_shortfall(Sheet& s, StepContext& c);
   void prepare_solver(Sheet& s, StepContext& c);
   void gather(Sheet& s, Real h);
   void add_forces(StepContext& c);

@@ -37,6 +37,7 @@ struct ClothState {
   std::int32_t substeps = 1;         // as last chosen for it; its group takes the largest number of its members
   std::uint32_t warned = 0;          // 1: the cap of solver substeps was reported
   std::uint32_t warned_damping = 0;  // 1: so was a damping time that is too long
+  std::uint32_t warned_shortfall = 0;  // 1: so was a solver that did not reach its tolerance
   Real load = 0;                     // kg, that rests on it
   Real pull = 0;                     // m/s^2: mean acceleration by gravity, wind and scripts in the last step
 };

@@ -160,6 +160,14 @@ void Cloth::Impl::check_damping(Sheet& s, StepContext& c) {
                  s.object);
 }
 
+void Cloth::Impl::check_shortfall(Sheet& s, StepContext& c) {
+  if (s.state.warned_shortfall) return;
+  const std::string what = s.solver->shortfall();
+  if (what.empty()) return;
+  s.state.warned_shortfall = 1;
+  c.events->warn("unconverged", objects.describe(s.object) + ": " + s.solver_name + " " + what, s.object);
+}
+
 void Cloth::Impl::prepare_solver(Sheet& s, StepContext& c) {
   if (s.paths_stale) measure_paths(s), make_ties(s);
   place_ties(s);
@@ -359,6 +367,7 @@ void Cloth::Impl::commit(StepContext& c) {
     // displacements become positions, unless one is not finite
     for (auto& s : sheets) {
       if (!s->active()) continue;
+      check_shortfall(*s, c);
       const Real h = group_of(*s).step;
       const Vec3 lead = s->solver->lead(h) * h * s->flight();
       for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
