@@ -51,15 +51,6 @@ Dihedral<V> dihedral(const V& e, const V& a, const V& b, const HingeFloor& floor
   return d;
 }
 
-// Angle of that sine and cosine in double: arc_tan2 rounds to Real, which one step of Newton's method mends.
-inline double precise_angle(double sine_part, double cosine_part) {
-  const double size = std::sqrt(sine_part * sine_part + cosine_part * cosine_part);
-  if (!(size > 0)) return 0;
-  const double s = sine_part / size, c = cosine_part / size;
-  const auto near = static_cast<double>(arc_tan2(static_cast<Real>(s), static_cast<Real>(c)));
-  return near + (s * cosine(near) - c * sine(near));
-}
-
 // An angle less whole turns, in [-pi, pi].
 inline double within_turn(double angle) {
   constexpr double kTurn = 6.283185307179586;

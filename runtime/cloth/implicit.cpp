@@ -16,6 +16,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <vector>
 
 #include "cloth/dihedral.h"
 #include "cloth/solver.h"
@@ -31,6 +32,7 @@ constexpr double kAcrossShare = 0.2;          // of the inertia of a vertex that
 constexpr double kArmijo = 1e-4;              // share of the slope that a step has to gain
 constexpr double kEnergyRounding = 1e-13;     // of the sum of all energies
 constexpr double kMaxForcing = 0.1;           // largest residual that a linear solve may leave
+constexpr double kStiffSubstep = 200;         // largest h^2 sum k/m of a vertex that contacts bear
 constexpr int kHalvings = 30;                 // of a step in the line search
 constexpr int kCgPerPoint = 3;                // cap of a linear solve, iterations
 constexpr std::uint64_t kFactorFloor = 20'000, kFactorPerBlock = 60;  // block products that cost less than iterating
@@ -81,8 +83,18 @@ class ImplicitCloth final : public ClothSolver {
   }
 
   void damp(const ClothView&, Real, StepContext&) override {}
-  double wanted_substeps(const ClothView&, Real) const override { return 1; }
+  // Any number does for the sheet itself. But contacts and attached bodies move vertices between solver substeps, which
+  // stores k d^2/2 in its links, and feel no more than m d/h^2.
+  double wanted_substeps(const ClothView& v, Real h) const override {
+    std::vector<double> sum(v.points, 0);
+    for (const ClothLink& l : v.mesh->links) sum[l.a] += double(l.stiffness), sum[l.b] += double(l.stiffness);
+    double most = 0;
+    for (std::uint32_t i = 0; i < v.points; ++i)
+      if (v.mass[i] > 0) most = std::fmax(most, sum[i] / double(v.mass[i]));
+    return double(h) * std::sqrt(most / kStiffSubstep);
+  }
   bool sheds_strain() const override { return false; }
+  bool converges() const override { return true; }
   std::string shortfall() const override {
     if (!(missed_ > 0)) return "";
     return "stopped after " + std::to_string(iterations_) + " steps of Newton at a residual of " +
@@ -173,7 +185,7 @@ class ImplicitCloth final : public ClothSolver {
     }
     for (Hinge& k : hinges_) {
       const Dihedral<Double3> d = shape(k, start_);
-      const double bent = within_turn(precise_angle(d.sine, d.cosine) - k.rest);
+      const double bent = within_turn(arc_tangent2(d.sine, d.cosine) - k.rest);
       k.pull = k.stiffness * (1 + lag), k.target = k.rest + bent * lag / (1 + lag);
     }
   }
@@ -185,7 +197,7 @@ class ImplicitCloth final : public ClothSolver {
     return dihedral(e[0], e[1], e[2], k.floor);
   }
   static double bent(const Hinge& k, const Dihedral<Double3>& d) {
-    return within_turn(within_turn(precise_angle(d.sine, d.cosine) - k.target));
+    return within_turn(within_turn(arc_tangent2(d.sine, d.cosine) - k.target));
   }
 
   // J

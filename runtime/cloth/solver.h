@@ -65,6 +65,7 @@ class ClothSolver {
   virtual void validate(const ClothView&) const {}
   virtual Real relaxation() const { return 1; }       // of contact corrections
   virtual bool sheds_strain() const { return true; }  // the stretch law of step.cpp applies
+  virtual bool converges() const { return false; }    // the law for loads alone does: it carries its own weight
   virtual double least_cap() const { return 1; }      // solver substeps that `max_substeps` cannot forbid
   virtual double substeps_beyond(double cap) const {
     return cap;

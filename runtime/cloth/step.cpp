@@ -4,7 +4,8 @@
 // tests/cloth/test_stretch_law.cpp); the number of solver substeps is chosen so that this stays below `stretch_error`.
 // n counts from the pins, or from the middle of a free sheet. g is multiplied by the mass that rests on the cloth over
 // its own; where wind pulls more than gravity, its mean acceleration counts; the decelerations of an approaching body
-// and of the cloth's own swing are added. Kept between steps: the number chosen (ClothState::substeps), with
+// and of the cloth's own swing are added. A solver that converges in a solver substep leaves nothing of its own weight, but
+// does not know the mass of a load: a vertex of mass m that it moves by d pulls with m d/h^2. Kept between steps: the number chosen (ClothState::substeps), with
 // hysteresis.
 #include <algorithm>
 #include <cmath>
@@ -121,10 +122,11 @@ void Cloth::Impl::choose_steps(StepContext& c) {
     } else {
       if (s.bend_step != c.h) s.bend_step = c.h, s.bend_substeps = s.solver->wanted_substeps(view(s), c.h);
       double wanted = s.bend_substeps;
-      if (s.solver->sheds_strain()) {
+      const bool sheds = s.solver->sheds_strain();
+      if (sheds || s.solver->converges()) {
         const Real weight = length(c.gravity) * std::fabs(s.settings.gravity_scale);
-        const double g = double(std::max({weight, s.state.pull, kMinGravity})) * (1 + double(s.state.load / s.mass)) +
-                         double(s.impact) + swing(s);
+        const double own = double(std::max({weight, s.state.pull, kMinGravity})), load = double(s.state.load / s.mass);
+        const double g = (sheds ? own + swing(s) : 0) + own * load + double(s.impact);
         const double n = s.rows, h = c.h;
         wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / double(s.settings.stretch_error * s.path)));
       }

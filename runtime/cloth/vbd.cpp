@@ -5,7 +5,7 @@
 // acceleration as far as elastic forces at the start leave it (section 3.7 has the acceleration of the last step there,
 // which would be state to keep; the same at rest and in free fall). So a cloth at rest is an exact fixed point of any
 // number of sweeps. Instead of Chebyshev weights (section 3.8) moves are over-relaxed by `relaxation`: below 2 a move
-// never raises the vertex's model. Soft hinges act as forces at the state of sweeps 1, 2, 4, 8 .., which converges to
+// never raises the vertex's model. Soft hinges act as forces at the state of sweeps 1, 5, 17 .., which converges to
 // those at the end; stiff ones are linearised there, and a moving vertex turns its hinges at once. Damping as in
 // damping.cpp, less the method's own of tau = h. Sweeps do not keep momentum: a free cloth is shifted back onto its goal, and step.cpp takes out what
 // they add of angular momentum. After the sweeps strain limit and ties, as in mass_spring. Kept between steps:
@@ -83,7 +83,7 @@ class Vbd final : public ClothSolver {
     });
     // sweeps
     for (int k = 0; k < iterations_; ++k) {
-      if (bends && (k & (k - 1)) == 0) {
+      if (bends && anew(k)) {
         if (stiff_) {
           run({0, static_cast<std::uint32_t>(bends_.size())}, p, kernels_->bend, c);
         } else if (k > 0) {
@@ -124,6 +124,7 @@ class Vbd final : public ClothSolver {
     return std::sqrt(rate / iterations_) * double(h);
   }
   bool sheds_strain() const override { return false; }
+  bool converges() const override { return true; }
 
  private:
   struct Range {
@@ -151,6 +152,10 @@ class Vbd final : public ClothSolver {
     });
   }
 
+  // Are hinges taken anew before this sweep? 0, 4, 16, 64 .., and 1 for stiff ones.
+  bool anew(int sweep) const {
+    return (sweep & (sweep - 1)) == 0 && (sweep & 0x2aaaaaaa) == 0 && (stiff_ || sweep != 1);
+  }
   static void put(Lane8x3& to, int n, const Vec3& d) { to.x.v[n] = d[0], to.y.v[n] = d[1], to.z.v[n] = d[2]; }
 
   static void run(Range range, const DescentPass& p, void (*kernel)(const DescentPass&), StepContext& c) {
