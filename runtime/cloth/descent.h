@@ -8,7 +8,7 @@ namespace feder {
 // One link of each of eight vertices. Lanes without one name the vertex itself and have no stiffness.
 struct DescentLink {
   unsigned other[kLanes];
-  Lane8x3 base;  // the other minus this at the start of the step, m
+  Lane8x3 base;           // the other minus this at the start of the step, m
   Lane8 rest, stiffness;  // m; N/m
   Lane8 longest;          // where the strain limit begins in this solver substep, m
 };
@@ -50,7 +50,7 @@ struct DescentPass {
   WideReal relaxation;
   WideReal stretched, limit;  // length over rest where the strain limit begins; stiffness beyond it, times that below
   WideReal shed;              // excess length that is taken back at most, m
-  bool hinged;  // hinges take part
+  bool hinged;                // hinges take part
 };
 
 struct DescentKernels {

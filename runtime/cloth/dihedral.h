@@ -26,7 +26,7 @@ inline HingeFloor hinge_floor(const ClothHinge& h, const Vec3* rest) {
 
 template <class V>
 struct Dihedral {
-  V gradient[4];  // of the angle, rad/m
+  V gradient[4];                         // of the angle, rad/m
   decltype(dot(V(), V())) sine, cosine;  // of the angle, times both areas and more
 };
 

@@ -26,15 +26,15 @@
 namespace feder {
 namespace {
 
-constexpr double kLimitStiffness = 1000;      // of a link at max_strain, times its own
-constexpr double kLimitBegins = 0.99;          // of max_strain, where that begins
-constexpr double kAcrossShare = 0.2;          // of the inertia of a vertex that compressed links may take from it
-constexpr double kArmijo = 1e-4;              // share of the slope that a step has to gain
-constexpr double kEnergyRounding = 1e-13;     // of the sum of all energies
-constexpr double kMaxForcing = 0.1;           // largest residual that a linear solve may leave
-constexpr double kStiffSubstep = 200;         // largest h^2 sum k/m of a vertex that contacts bear
-constexpr int kHalvings = 30;                 // of a step in the line search
-constexpr int kCgPerPoint = 3;                // cap of a linear solve, iterations
+constexpr double kLimitStiffness = 1000;   // of a link at max_strain, times its own
+constexpr double kLimitBegins = 0.99;      // of max_strain, where that begins
+constexpr double kAcrossShare = 0.2;       // of the inertia of a vertex that compressed links may take from it
+constexpr double kArmijo = 1e-4;           // share of the slope that a step has to gain
+constexpr double kEnergyRounding = 1e-13;  // of the sum of all energies
+constexpr double kMaxForcing = 0.1;        // largest residual that a linear solve may leave
+constexpr double kStiffSubstep = 200;      // largest h^2 sum k/m of a vertex that contacts bear
+constexpr int kHalvings = 30;              // of a step in the line search
+constexpr int kCgPerPoint = 3;             // cap of a linear solve, iterations
 constexpr std::uint64_t kFactorFloor = 20'000, kFactorPerBlock = 60;  // block products that cost less than iterating
 
 Double3 row_of(const Row4& r) { return {double(r.x), double(r.y), double(r.z)}; }
@@ -52,18 +52,13 @@ class ImplicitCloth final : public ClothSolver {
  public:
   ImplicitCloth(Arena& arena, const Params& p)
       : tolerance_(p.number({"tolerance", "", {0, 1, true}}, 1e-5)),
-        iterations_(p.integer({"iterations", "", {1, 10'000}}, 50)), links_(&arena), hinges_(&arena), degree_(&arena), u_(&arena), trial_(&arena), start_(&arena), goal_(&arena), gradient_(&arena), free_(&arena),
-        right_(&arena), step_(&arena), size_(&arena), matrix_(arena), ldl_(arena), cg_(arena) {}
+        iterations_(p.integer({"iterations", "", {1, 10'000}}, 50)), links_(&arena), hinges_(&arena), degree_(&arena),
+        u_(&arena), trial_(&arena), start_(&arena), goal_(&arena), gradient_(&arena), free_(&arena), right_(&arena),
+        step_(&arena), size_(&arena), matrix_(arena), ldl_(arena), cg_(arena) {}
 
   void prepare(const ClothView& v, StepContext&) override {
     build(v);
     missed_ = 0;
-    free_.resize(v.total);
-    afloat_ = true;
-    for (std::uint32_t i = 0; i < v.total; ++i) {
-      free_[i] = v.delta_position[i].w;
-      afloat_ = afloat_ && (i >= v.points || free_[i] != 0);
-    }
     for (Link& l : links_) l.base = wide(v.position[l.b] - v.position[l.a]);
     for (Hinge& k : hinges_)
       for (int i = 0; i < 3; ++i) k.base[i] = wide(v.position[k.v[i + 1]] - v.position[k.v[0]]);
@@ -164,13 +159,16 @@ class ImplicitCloth final : public ClothSolver {
       hinges_.push_back(to);
     }
     for (Array<Double3>* a : {&u_, &trial_, &start_, &goal_, &gradient_}) a->assign(v.total, Double3{0, 0, 0});
-    right_.resize(v.total), step_.resize(v.total), size_.resize(v.total);
+    free_.resize(v.total), right_.resize(v.total), step_.resize(v.total), size_.resize(v.total);
   }
 
   // Start and goal of a solver substep, and what its elements pull towards.
   void begin(const ClothView& v, Real h) {
+    afloat_ = true;
     for (std::uint32_t i = 0; i < v.total; ++i) {
       Row4& x = v.delta_position[i];
+      free_[i] = x.w;
+      afloat_ = afloat_ && (i >= v.points || x.w != 0);
       v.before[i] = {x.x, x.y, x.z, 0};
       if (x.w != 0) v.velocity[i].add(h * v.acceleration[i]);
       start_[i] = row_of(x);
@@ -360,10 +358,9 @@ class ImplicitCloth final : public ClothSolver {
 }  // namespace
 
 Variant<ClothSolver> cloth_implicit() {
-  return {"implicit", "implicit Euler by Newton's method to a tolerance: the truth of studies, slow",
-          [](Arena& a, const Params& p) -> std::unique_ptr<ClothSolver> {
-            return std::make_unique<ImplicitCloth>(a, p);
-          }};
+  return {
+      "implicit", "implicit Euler by Newton's method to a tolerance: the truth of studies, slow",
+      [](Arena& a, const Params& p) -> std::unique_ptr<ClothSolver> { return std::make_unique<ImplicitCloth>(a, p); }};
 }
 
 }  // namespace feder

@@ -4,4 +4,4 @@
 namespace feder {
 const ClothKernels kClothKernelsAvx2 = kKernels;
 const DescentKernels kDescentAvx2 = kDescent;
-}
+}  // namespace feder

@@ -4,4 +4,4 @@
 namespace feder {
 const ClothKernels kClothKernelsPlain = kKernels;
 const DescentKernels kDescentPlain = kDescent;
-}
+}  // namespace feder

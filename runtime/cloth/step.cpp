@@ -4,9 +4,9 @@
 // tests/cloth/test_stretch_law.cpp); the number of solver substeps is chosen so that this stays below `stretch_error`.
 // n counts from the pins, or from the middle of a free sheet. g is multiplied by the mass that rests on the cloth over
 // its own; where wind pulls more than gravity, its mean acceleration counts; the decelerations of an approaching body
-// and of the cloth's own swing are added. A solver that converges in a solver substep leaves nothing of its own weight, but
-// does not know the mass of a load: a vertex of mass m that it moves by d pulls with m d/h^2. Kept between steps: the number chosen (ClothState::substeps), with
-// hysteresis.
+// and of the cloth's own swing are added. For a solver that converges only what loads and approaching bodies add
+// counts: it leaves nothing of its own weight, but does not know the mass of what lies on it. Kept between steps: the
+// number chosen (ClothState::substeps), with hysteresis.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -320,7 +320,10 @@ void Cloth::Impl::advance(StepContext& c) {
     if (!s.prepared) prepare_solver(s, c);  // woken by a coupling in this step: held until its end
     ClothView v = view(s);
     v.crowded = g.crowded;
+    const bool carries = s.solver->converges() && !g.attachments.empty();
+    if (carries) carry_bodies(s, g, v);
     s.solver->advance(v, start + c.inner.index * static_cast<double>(g.step), g.step, c);
+    if (carries) hand_over(g);
     if (!s.any_pin && before[s.first].w == 0) measure_gained_momentum(s, g.step);
   });
 }

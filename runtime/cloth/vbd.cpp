@@ -7,10 +7,10 @@
 // number of sweeps. Instead of Chebyshev weights (section 3.8) moves are over-relaxed by `relaxation`: below 2 a move
 // never raises the vertex's model. Soft hinges act as forces at the state of sweeps 1, 5, 17 .., which converges to
 // those at the end; stiff ones are linearised there, and a moving vertex turns its hinges at once. Damping as in
-// damping.cpp, less the method's own of tau = h. Sweeps do not keep momentum: a free cloth is shifted back onto its goal, and step.cpp takes out what
-// they add of angular momentum. After the sweeps strain limit and ties, as in mass_spring. Kept between steps:
-// batches of the mesh. Weak spot: errors over many cells converge slowly, some hundred sweeps for a fine stiff sheet,
-// so fast motion of one is too soft and too damped; rest is exact.
+// damping.cpp, less the method's own of tau = h. Sweeps do not keep momentum: a free cloth is shifted back onto its
+// goal, and step.cpp takes out what they add of angular momentum. After the sweeps strain limit and ties, as in
+// mass_spring. Kept between steps: batches of the mesh. Weak spot: errors over many cells converge slowly, some hundred
+// sweeps for a fine stiff sheet, so fast motion of one is too soft and too damped; rest is exact.
 #include <algorithm>
 #include <cmath>
 
@@ -25,7 +25,7 @@ namespace {
 
 // h^2 times the largest rate of links and of hinges that a sweep copes with
 constexpr double kStretchPerSweep = 20, kBendingPerSweep = 1;
-constexpr double kSoftBending = 0.1;           // largest h^2 k sum w |gradient|^2 of hinges that act as forces
+constexpr double kSoftBending = 0.1;  // largest h^2 k sum w |gradient|^2 of hinges that act as forces
 constexpr Real kLimitFrom = Real(0.98), kLimitTimes = 100, kNoLimit = Real(1e18);
 constexpr JobGrain kDescentGrain{16, 4'000};   // batches per job
 constexpr JobGrain kVertexGrain{1024, 4'000};  // vertices per job
@@ -53,12 +53,9 @@ class Vbd final : public ClothSolver {
     for (DescentBend& b : bends_)
       for (int k = 0; k < 3; ++k)
         for (int n = 0; n < kLanes; ++n) put(b.base[k], n, v.position[b.v[k + 1][n]] - v.position[b.v[0][n]]);
-    for (DescentBatch& b : descent_) {
-      for (int n = 0; n < kLanes; ++n) b.mass.v[n] = b.self[n] < v.points ? v.mass[b.self[n]] : Real(0);
+    for (DescentBatch& b : descent_)
       for (unsigned k = b.first_link; k < b.last_link; ++k)
-        for (int n = 0; n < kLanes; ++n)
-          put(links_[k].base, n, v.position[links_[k].other[n]] - v.position[b.self[n]]);
-    }
+        for (int n = 0; n < kLanes; ++n) put(links_[k].base, n, v.position[links_[k].other[n]] - v.position[b.self[n]]);
   }
 
   void advance(const ClothView& v, double, Real h, StepContext& c) override {
@@ -195,17 +192,18 @@ class Vbd final : public ClothSolver {
     return clamp(-dot(elastic, external) / square, 0, 1) * external;
   }
 
-  // Goals of the vertices from their velocities.
+  // Masses, and goals of the vertices from their velocities.
   void aim(const ClothView& v, Real h, StepContext& c) {
-    c.jobs->for_blocks(static_cast<std::uint32_t>(descent_.size()), {128, 4'000},
-                       [&](std::uint32_t first, std::uint32_t last, int) {
-                         for (std::uint32_t n = first; n < last; ++n)
-                           for (int i = 0; i < kLanes; ++i) {
-                             DescentBatch& b = descent_[n];
-                             const Row4 &x = v.before[b.self[i]], &u = v.velocity[b.self[i]];
-                             b.goal.x.v[i] = x.x + h * u.x, b.goal.y.v[i] = x.y + h * u.y, b.goal.z.v[i] = x.z + h * u.z;
-                           }
-                       });
+    c.jobs->for_blocks(
+        static_cast<std::uint32_t>(descent_.size()), {128, 4'000}, [&](std::uint32_t first, std::uint32_t last, int) {
+          for (std::uint32_t n = first; n < last; ++n)
+            for (int i = 0; i < kLanes; ++i) {
+              DescentBatch& b = descent_[n];
+              const Row4 &x = v.before[b.self[i]], &u = v.velocity[b.self[i]];
+              b.mass.v[i] = b.self[i] < v.points ? v.mass[b.self[i]] : Real(0);
+              b.goal.x.v[i] = x.x + h * u.x, b.goal.y.v[i] = x.y + h * u.y, b.goal.z.v[i] = x.z + h * u.z;
+            }
+        });
   }
 
   // Sweeps add momentum where they have not converged: the centre of mass back to its goal.
@@ -234,8 +232,7 @@ class Vbd final : public ClothSolver {
   // Largest k sum w |gradient|^2, 1/s^2, likewise.
   static double stiffest_hinge(const ClothView& v) {
     double most = 0;
-    for (const ClothHinge& k : v.mesh->hinges)
-      most = std::fmax(most, hinge_response(v, k.v) * double(k.stiffness));
+    for (const ClothHinge& k : v.mesh->hinges) most = std::fmax(most, hinge_response(v, k.v) * double(k.stiffness));
     return most;
   }
 

@@ -1,6 +1,6 @@
 // What the solvers of implicit Euler promise beside the contract of solver.h: implicit reaches the minimum of the
-// incremental potential, which is written here a second time; xpbd and vbd converge to it; neither adds energy; and both
-// bear what nobody should ask of them.
+// incremental potential, which is written here a second time; xpbd and vbd converge to it; neither adds energy; and
+// both bear what nobody should ask of them.
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -34,7 +34,8 @@ Points points_of(const Cloth& cloth, ObjectId id) {
 
 double largest_distance(const Points& a, const Points& b) {
   double most = 0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::sqrt(inner(minus(a[i], b[i]), minus(a[i], b[i]))));
+  for (std::size_t i = 0; i < a.size(); ++i)
+    most = std::max(most, std::sqrt(inner(minus(a[i], b[i]), minus(a[i], b[i]))));
   return most;
 }
 
