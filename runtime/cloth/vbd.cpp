@@ -5,7 +5,7 @@
 // acceleration as far as elastic forces at the start leave it (section 3.7 has the acceleration of the last step there,
 // which would be state to keep; the same at rest and in free fall). So a cloth at rest is an exact fixed point of any
 // number of sweeps. Instead of Chebyshev weights (section 3.8) moves are over-relaxed by `relaxation`: below 2 a move
-// never raises the vertex's model. Soft hinges act as forces at the state of sweeps 1, 5, 17 .., which converges to
+// never raises the vertex's model. Soft hinges act as forces of the start, softer ones at the state of sweeps 1, 5, 17 .., which converges to
 // those at the end; stiff ones are linearised there, and a moving vertex turns its hinges at once. Damping as in
 // damping.cpp, less the method's own of tau = h. Sweeps do not keep momentum: a free cloth is shifted back onto its
 // goal, and step.cpp takes out what they add of angular momentum. After the sweeps strain limit and ties, as in
@@ -24,9 +24,10 @@ namespace feder {
 namespace {
 
 // h^2 times the largest rate of links and of hinges that a sweep copes with
-constexpr double kStretchPerSweep = 20, kBendingPerSweep = 1;
+constexpr double kStretchPerSweep = 10, kBendingPerSweep = 1;
 constexpr double kSoftBending = 0.1;  // largest h^2 k sum w |gradient|^2 of hinges that act as forces
 constexpr Real kLimitFrom = Real(0.98), kLimitTimes = 100, kNoLimit = Real(1e18);
+constexpr double kSettling = 0.3;              // largest h^2 w^2 of bending at which taking them anew converges
 constexpr JobGrain kDescentGrain{16, 4'000};   // batches per job
 constexpr JobGrain kVertexGrain{1024, 4'000};  // vertices per job
 constexpr std::size_t kMaxStages = 64;
@@ -34,7 +35,7 @@ constexpr std::size_t kMaxStages = 64;
 class Vbd final : public ClothSolver {
  public:
   Vbd(Arena& a, const Params& p)
-      : iterations_(p.integer({"iterations", "", {1, 10'000}}, 10)),
+      : iterations_(p.integer({"iterations", "", {1, 10'000}}, 5)),
         relaxation_(p.real({"relaxation", "", {0, 2, true}}, 1)), batches_(a), descent_(&a), links_(&a), entries_(&a),
         bends_(&a), colors_(&a), force_(&a), kicked_(&a), angle_(&a) {
     const bool wide = wide_kernels(p);
@@ -62,6 +63,7 @@ class Vbd final : public ClothSolver {
     FEDER_ASSERT(version_ == v.version && h > 0);
     const bool bends = !bends_.empty();
     stiff_ = stiffest_ * double(h) * double(h) > kSoftBending;
+    settles_ = crowded_ * double(h) * double(h) <= kSettling;
     DescentPass p = pass(v, h);
     // kick
     each_vertex(v, c, [&](std::uint32_t i) {
@@ -151,6 +153,7 @@ class Vbd final : public ClothSolver {
 
   // Are hinges taken anew before this sweep? 0, 4, 16, 64 .., and 1 for stiff ones.
   bool anew(int sweep) const {
+    if (!stiff_ && !settles_) return sweep == 0;
     return (sweep & (sweep - 1)) == 0 && (sweep & 0x2aaaaaaa) == 0 && (stiff_ || sweep != 1);
   }
   static void put(Lane8x3& to, int n, const Vec3& d) { to.x.v[n] = d[0], to.y.v[n] = d[1], to.z.v[n] = d[2]; }
@@ -249,8 +252,9 @@ class Vbd final : public ClothSolver {
   Array<Row4> force_, kicked_;  // by vertex: N; m/s
   Array<Real> angle_;           // by hinge, then those of lanes without one
   JobPool::Stage stages_[kMaxStages];
+  double crowded_ = 0;                   // bound of w^2 of bending, see damping.cpp, 1/s^2
   double stiffest_ = 0;                  // largest k sum w |gradient|^2, 1/s^2
-  bool stiff_ = false, afloat_ = false;  // hinges are in the sweeps; nothing holds it
+  bool stiff_ = false, settles_ = false, afloat_ = false;  // hinges are in the sweeps; soft ones converge; free
   Real step_ = 0;                        // s, of the last solver substep
 };
 
@@ -346,6 +350,10 @@ void Vbd::build(const ClothView& v) {
   entries_.push_back({});
   bends_.clear();
   stiffest_ = stiffest_hinge(v);
+  std::vector<double> sum(v.total, 0);
+  for (const ClothHinge& k : mesh.hinges)
+    for (const std::uint32_t i : k.v) sum[i] += hinge_response(v, k.v) * double(k.stiffness);
+  crowded_ = *std::max_element(sum.begin(), sum.end());
   for (std::uint32_t k = 0; k < rounded; ++k) {
     const std::uint32_t lane = k % kLanes;
     if (lane == 0) bends_.push_back({});
