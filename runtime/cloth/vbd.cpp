@@ -5,12 +5,12 @@
 // acceleration as far as elastic forces at the start leave it (section 3.7 has the acceleration of the last step there,
 // which would be state to keep; the same at rest and in free fall). So a cloth at rest is an exact fixed point of any
 // number of sweeps. Instead of Chebyshev weights (section 3.8) moves are over-relaxed by `relaxation`: below 2 a move
-// never raises the vertex's model. Soft hinges act as forces of the start, softer ones at the state of sweeps 1, 5, 17 .., which converges to
-// those at the end; stiff ones are linearised there, and a moving vertex turns its hinges at once. Damping as in
-// damping.cpp, less the method's own of tau = h. Sweeps do not keep momentum: a free cloth is shifted back onto its
-// goal, and step.cpp takes out what they add of angular momentum. After the sweeps strain limit and ties, as in
-// mass_spring. Kept between steps: batches of the mesh. Weak spot: errors over many cells converge slowly, some hundred
-// sweeps for a fine stiff sheet, so fast motion of one is too soft and too damped; rest is exact.
+// never raises the vertex's model. Soft hinges act as forces of the start, softer ones at the state of sweeps 1, 5, 17
+// .., which converges to those at the end; stiff ones are linearised there, and a moving vertex turns its hinges at
+// once. Damping as in damping.cpp, less the method's own of tau = h. Sweeps do not keep momentum: a free cloth is
+// shifted back onto its goal, and step.cpp takes out what they add of angular momentum. After the sweeps strain limit
+// and ties, as in mass_spring. Kept between steps: batches of the mesh. Weak spot: errors over many cells converge
+// slowly, some hundred sweeps for a fine stiff sheet, so fast motion of one is too soft and too damped; rest is exact.
 #include <algorithm>
 #include <cmath>
 
@@ -24,7 +24,7 @@ namespace feder {
 namespace {
 
 // h^2 times the largest rate of links and of hinges that a sweep copes with
-constexpr double kStretchPerSweep = 10, kBendingPerSweep = 1;
+constexpr double kStretchPerSweep = 8, kBendingPerSweep = 1;
 constexpr double kSoftBending = 0.1;  // largest h^2 k sum w |gradient|^2 of hinges that act as forces
 constexpr Real kLimitFrom = Real(0.98), kLimitTimes = 100, kNoLimit = Real(1e18);
 constexpr double kSettling = 0.3;              // largest h^2 w^2 of bending at which taking them anew converges
@@ -252,10 +252,10 @@ class Vbd final : public ClothSolver {
   Array<Row4> force_, kicked_;  // by vertex: N; m/s
   Array<Real> angle_;           // by hinge, then those of lanes without one
   JobPool::Stage stages_[kMaxStages];
-  double crowded_ = 0;                   // bound of w^2 of bending, see damping.cpp, 1/s^2
-  double stiffest_ = 0;                  // largest k sum w |gradient|^2, 1/s^2
+  double crowded_ = 0;                                     // bound of w^2 of bending, see damping.cpp, 1/s^2
+  double stiffest_ = 0;                                    // largest k sum w |gradient|^2, 1/s^2
   bool stiff_ = false, settles_ = false, afloat_ = false;  // hinges are in the sweeps; soft ones converge; free
-  Real step_ = 0;                        // s, of the last solver substep
+  Real step_ = 0;                                          // s, of the last solver substep
 };
 
 void Vbd::build(const ClothView& v) {
