@@ -66,12 +66,16 @@ double sin_cos_cos(double x) {
   return c;
 }
 
-Real arc_tan2(Real y, Real x) {
-  const double ax = std::fabs(static_cast<double>(x)), ay = std::fabs(static_cast<double>(y));
+double arc_tangent2(double y, double x) {
+  const double ax = std::fabs(x), ay = std::fabs(y);
   if (ax == 0.0 && ay == 0.0) return 0;
   double a = ay <= ax ? arc_tan_unit(ay / ax) : kHalfPiHigh - arc_tan_unit(ax / ay);
   if (x < 0) a = 2.0 * kHalfPiHigh - a;
-  return static_cast<Real>(y < 0 ? -a : a);
+  return y < 0 ? -a : a;
+}
+
+Real arc_tan2(Real y, Real x) {
+  return static_cast<Real>(arc_tangent2(static_cast<double>(y), static_cast<double>(x)));
 }
 
 Real arc_cos(Real x) {

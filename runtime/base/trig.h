@@ -7,6 +7,7 @@ namespace feder {
 double sine(double x);
 double cosine(double x);
 double tangent(double x);
+double arc_tangent2(double y, double x);  // of y/x, in the quadrant of both; error about 1e-15
 
 // c[0], then c[k] - z times what was there: an alternating series, its last coefficient first.
 template <int count>

@@ -35,6 +35,13 @@ struct Cloth::Impl {
   Array<Vec3> acceleration{&arena};                // gravity, script, wind
   Array<Vec3> force{&arena};                       // work memory of forces.cpp, N
   Array<MassPoint> points{&arena};
+  struct Carried {
+    std::uint32_t attachment;  // in the group
+    Real mass;                 // share of the body's, kg
+    Vec3 velocity;             // of the body's point, m/s
+  };
+  Array<Carried> hauled{&arena};     // of a solver substep and cloth, see ties.cpp
+  Array<Real> carried_mass{&arena};  // kg
   bool any_active = false;
   std::size_t force_count = 0;  // forces known when the rows were made
   bool gravity_known = false;
@@ -55,6 +62,8 @@ struct Cloth::Impl {
   void declare_surfaces();
   void show(const Sheet& s);  // adds its surface
   void solve_body_ties(StepContext& c);
+  void carry_bodies(Sheet& s, const SurfaceGroup& g, ClothView& v);
+  void hand_over(const SurfaceGroup& g);
   void wake(Sheet& s, WakeCause cause, ObjectId other);
   void put_to_sleep(Sheet& s);
 
@@ -100,6 +109,7 @@ struct Cloth::Impl {
   void choose_steps(StepContext& c);
   double swing(const Sheet& s) const;
   void check_damping(Sheet& s, StepContext& c);
+  void check_shortfall(Sheet& s, StepContext& c);
   void prepare_solver(Sheet& s, StepContext& c);
   void gather(Sheet& s, Real h);
   void add_forces(StepContext& c);

@@ -186,10 +186,11 @@ struct HingeShape {
   return s;
 }
 
-// Angle relative to rest, in (-pi, pi): twice the arc tangent of sine/(1 + cosine).
-[[gnu::always_inline]] inline Lanes bent(const HingeBatch& c, const HingeShape& s) {
-  const Lanes zero = zero_lanes(), c0 = load(c.cosine), s0 = load(c.sine);
-  const Lanes sine = s.sine * c0 - s.cosine * s0, cosine = s.cosine * c0 + s.sine * s0;
+// Angle of a sine and cosine (times any length) less that of the unit c0, s0, in (-pi, pi): twice the arc tangent of
+// sine/(1 + cosine).
+[[gnu::always_inline]] inline Lanes angle_between(Lanes sine_now, Lanes cosine_now, Lanes c0, Lanes s0) {
+  const Lanes zero = zero_lanes();
+  const Lanes sine = sine_now * c0 - cosine_now * s0, cosine = cosine_now * c0 + sine_now * s0;
   const Lanes up = select(sine < zero, zero - sine, sine);
   const Lanes along = square_root(sine * sine + cosine * cosine) + cosine;
   const LaneMask steep = up > along;
@@ -197,6 +198,11 @@ struct HingeShape {
   const Lanes half = arc_tangent(low * reciprocal_or_zero(high));
   const Lanes angle = all_lanes(2) * select(steep, all_lanes(1.57079632679489662f) - half, half);
   return select(sine < zero, zero - angle, angle);
+}
+
+// Angle relative to rest.
+[[gnu::always_inline]] inline Lanes bent(const HingeBatch& c, const HingeShape& s) {
+  return angle_between(s.sine, s.cosine, load(c.cosine), load(c.sine));
 }
 
 void solve_hinges(const ClothPass& p) {

@@ -1,6 +1,7 @@
 // The cloth kernels without AVX2.
-#include "cloth/kernel.h"
+#include "cloth/descent_kernel.h"
 
 namespace feder {
 const ClothKernels kClothKernelsPlain = kKernels;
-}
+const DescentKernels kDescentPlain = kDescent;
+}  // namespace feder

@@ -34,11 +34,12 @@ struct ClothState {
   std::uint32_t fresh = 1;   // 1: not stepped yet
   std::uint32_t frozen = 0;  // 1: quarantined
   std::uint32_t asleep = 0;
-  std::int32_t substeps = 1;         // as last chosen for it; its group takes the largest number of its members
-  std::uint32_t warned = 0;          // 1: the cap of solver substeps was reported
-  std::uint32_t warned_damping = 0;  // 1: so was a damping time that is too long
-  Real load = 0;                     // kg, that rests on it
-  Real pull = 0;                     // m/s^2: mean acceleration by gravity, wind and scripts in the last step
+  std::int32_t substeps = 1;           // as last chosen for it; its group takes the largest number of its members
+  std::uint32_t warned = 0;            // 1: the cap of solver substeps was reported
+  std::uint32_t warned_damping = 0;    // 1: so was a damping time that is too long
+  std::uint32_t warned_shortfall = 0;  // 1: so was a solver that did not reach its tolerance
+  Real load = 0;                       // kg, that rests on it
+  Real pull = 0;                       // m/s^2: mean acceleration by gravity, wind and scripts in the last step
 };
 
 // Ties of vertices to pins and attachments; made anew when those change, see ties.cpp.

@@ -5,6 +5,8 @@
 //  - a hanging sheet takes the stretch of its material;
 //  - no allocation after the first step, the same bits for any thread count.
 #pragma once
+#include <string>
+
 #include "base/registry.h"
 #include "cloth/batch.h"
 #include "cloth/mesh.h"
@@ -56,10 +58,14 @@ class ClothSolver {
   // State that it keeps between steps, for snapshots.
   virtual void save(Writer&) const {}
   virtual void load(Reader&) {}
+  // What its iterations did not reach in this step, and the cure: "" when they reached their tolerance. Once per step,
+  // after the last substep.
+  virtual std::string shortfall() const { return ""; }
   // Asserts that its elements are those of this cloth's mesh, unless the mesh is newer than they are.
   virtual void validate(const ClothView&) const {}
   virtual Real relaxation() const { return 1; }       // of contact corrections
   virtual bool sheds_strain() const { return true; }  // the stretch law of step.cpp applies
+  virtual bool converges() const { return false; }    // the law for loads alone does: it carries its own weight
   virtual double least_cap() const { return 1; }      // solver substeps that `max_substeps` cannot forbid
   virtual double substeps_beyond(double cap) const {
     return cap;

@@ -4,8 +4,9 @@
 // tests/cloth/test_stretch_law.cpp); the number of solver substeps is chosen so that this stays below `stretch_error`.
 // n counts from the pins, or from the middle of a free sheet. g is multiplied by the mass that rests on the cloth over
 // its own; where wind pulls more than gravity, its mean acceleration counts; the decelerations of an approaching body
-// and of the cloth's own swing are added. Kept between steps: the number chosen (ClothState::substeps), with
-// hysteresis.
+// and of the cloth's own swing are added. For a solver that converges only what loads and approaching bodies add
+// counts: it leaves nothing of its own weight, but does not know the mass of what lies on it. Kept between steps: the
+// number chosen (ClothState::substeps), with hysteresis.
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -121,10 +122,11 @@ void Cloth::Impl::choose_steps(StepContext& c) {
     } else {
       if (s.bend_step != c.h) s.bend_step = c.h, s.bend_substeps = s.solver->wanted_substeps(view(s), c.h);
       double wanted = s.bend_substeps;
-      if (s.solver->sheds_strain()) {
+      const bool sheds = s.solver->sheds_strain();
+      if (sheds || s.solver->converges()) {
         const Real weight = length(c.gravity) * std::fabs(s.settings.gravity_scale);
-        const double g = double(std::max({weight, s.state.pull, kMinGravity})) * (1 + double(s.state.load / s.mass)) +
-                         double(s.impact) + swing(s);
+        const double own = double(std::max({weight, s.state.pull, kMinGravity})), load = double(s.state.load / s.mass);
+        const double g = (sheds ? own + swing(s) : 0) + own * load + double(s.impact);
         const double n = s.rows, h = c.h;
         wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / double(s.settings.stretch_error * s.path)));
       }
@@ -158,6 +160,14 @@ void Cloth::Impl::check_damping(Sheet& s, StepContext& c) {
                  objects.describe(s.object) + ": damping of " + std::to_string(asked) + " s acts on bending as " +
                      std::to_string(longest) + " s: softer or coarser cloth, or more substeps, take more",
                  s.object);
+}
+
+void Cloth::Impl::check_shortfall(Sheet& s, StepContext& c) {
+  if (s.state.warned_shortfall) return;
+  const std::string what = s.solver->shortfall();
+  if (what.empty()) return;
+  s.state.warned_shortfall = 1;
+  c.events->warn("unconverged", objects.describe(s.object) + ": " + s.solver_name + " " + what, s.object);
 }
 
 void Cloth::Impl::prepare_solver(Sheet& s, StepContext& c) {
@@ -312,7 +322,10 @@ void Cloth::Impl::advance(StepContext& c) {
     if (!s.prepared) prepare_solver(s, c);  // woken by a coupling in this step: held until its end
     ClothView v = view(s);
     v.crowded = g.crowded;
+    const bool carries = s.solver->converges() && !g.attachments.empty();
+    if (carries) carry_bodies(s, g, v);
     s.solver->advance(v, start + c.inner.index * static_cast<double>(g.step), g.step, c);
+    if (carries) hand_over(g);
     if (!s.any_pin && before[s.first].w == 0) measure_gained_momentum(s, g.step);
   });
 }
@@ -361,6 +374,7 @@ void Cloth::Impl::commit(StepContext& c) {
     // displacements become positions, unless one is not finite
     for (auto& s : sheets) {
       if (!s->active()) continue;
+      check_shortfall(*s, c);
       const Real h = group_of(*s).step;
       const Vec3 lead = s->solver->lead(h) * h * s->flight();
       for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {

@@ -180,6 +180,51 @@ void Cloth::Impl::place_ties(Sheet& s) {
     }
 }
 
+// A solver that goes to a minimum has to know what hangs from a vertex, or its light end would follow the links and
+// leave the body behind. So for its solver substep an attached vertex has its share of the body's mass and momentum
+// too; and the body gets the share of what the solver gave to it. The attachment corrects what that leaves.
+void Cloth::Impl::carry_bodies(Sheet& s, const SurfaceGroup& g, ClothView& v) {
+  hauled.clear();
+  const SolverBodies* bodies = surfaces.solver_bodies;
+  for (std::uint32_t n = 0; n < g.attachments.size(); ++n) {
+    const SurfaceAttachment& a = g.attachments[n];
+    if (a.solver_index == 0 || a.vertex < s.first || a.vertex >= s.first + s.points) continue;
+    const Real inv_mass = bodies->mass[a.solver_index].inv_mass_axes.maxCoeff();
+    if (!(inv_mass > 0) || delta_position[a.vertex].w == 0) continue;
+    Real share = 0;
+    for (const SurfaceAttachment& b : g.attachments) share += b.solver_index == a.solver_index ? Real(1) : Real(0);
+    hauled.push_back({n, 1 / (inv_mass * share), Vec3::Zero()});
+  }
+  if (hauled.empty()) return;
+  carried_mass.assign(vertices.mass.begin() + s.first, vertices.mass.begin() + s.first + s.total);
+  for (Carried& k : hauled) {
+    const SurfaceAttachment& a = g.attachments[k.attachment];
+    const SolverBody& body = bodies->state[a.solver_index];
+    const Real own = vertices.mass[a.vertex], all = own + k.mass;
+    k.velocity = body.velocity + cross(body.angular_velocity, a.arm);
+    // the solver adds h a, of which the body has its own
+    const Vec3 kick = g.step * acceleration[a.vertex];
+    velocity[a.vertex].set((own * (velocity[a.vertex].vec() + kick) + k.mass * k.velocity) / all - kick);
+    delta_position[a.vertex].w = velocity[a.vertex].w = 1 / all;
+    carried_mass[a.vertex - s.first] = all;
+  }
+  v.mass = carried_mass.data();
+}
+
+// Before bodies move by their velocities in this solver substep.
+void Cloth::Impl::hand_over(const SurfaceGroup& g) {
+  for (const Carried& k : hauled) {
+    const SurfaceAttachment& a = g.attachments[k.attachment];
+    const Vec3 moved = delta_position[a.vertex].vec() - before[a.vertex].vec();
+    const Vec3 impulse = k.mass * (moved / g.step - k.velocity);  // N s
+    SolverBody& body = surfaces.solver_bodies->state[a.solver_index];
+    const SolverMass& mass = surfaces.solver_bodies->mass[a.solver_index];
+    body.velocity += mass.inv_mass_axes.cwiseProduct(impulse);
+    body.angular_velocity += mass.inv_inertia * cross(a.arm, impulse);
+    delta_position[a.vertex].w = velocity[a.vertex].w = vertices.inv_mass[a.vertex];
+  }
+}
+
 // Ties of vertices to the point of a body where the cloth is attached, and of that point to the pin it hangs from.
 void Cloth::Impl::solve_body_ties(StepContext& c) {
   const SurfaceGroup& g = group(c);

@@ -49,6 +49,12 @@ TEST_CASE("a default sheet of 3 m hung at two corners stretches 1 % in the media
   hang(GENERATE(10u, 32u, 60u), "xpbd", 3);
 }
 
+TEST_CASE("the same with vbd, and with implicit", "[cloth][strain]") {
+  const std::uint32_t cells = GENERATE(10u, 24u);
+  hang(cells, "vbd", 3);
+  if (cells == 10) hang(cells, "implicit", 2);
+}
+
 TEST_CASE("the same of 100 cells", "[cloth][strain][late]") { hang(100, "xpbd", 2); }
 
 TEST_CASE("a pinned corner that a script sets anywhere gives its sheet no more energy than the material holds",
@@ -57,7 +63,7 @@ TEST_CASE("a pinned corner that a script sets anywhere gives its sheet no more e
   const auto range = [&](double a, double b) {
     return Real(a + (b - a) * (static_cast<double>(random()) / 4294967296.0));
   };
-  const char* const solver = GENERATE("xpbd", "mass_spring");
+  const char* const solver = GENERATE("xpbd", "mass_spring", "vbd", "implicit");
   int alarms = 0;
   double fastest = 0;
   for (int trial = 0; trial < 40; ++trial) {
