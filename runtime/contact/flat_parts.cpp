@@ -85,10 +85,7 @@ bool nearest_frame(const Vec3& a, const Vec3& b, Vec3 (&e)[2]) {
 
 FlatParts::FlatParts(Arena& a)
     : block_of_(&a), flat_(&a), triangles_(&a), first_(&a), own_(&a), list_(&a), points_(a), edges_(a), faces_(a),
-      meeting_(&a), some_{Some(a), Some(a)}, hits_(&a), hit_(&a) {
-  for (auto& level : sure_) level = Array<unsigned char>(&a);
-  for (auto& level : nodes_) level = Array<Node>(&a);
-}
+      sure_(&a), nodes_(&a), meeting_(&a), some_{Some(a), Some(a)}, hits_(&a), hit_(&a) {}
 
 void FlatParts::build(const Surface& s) {
   if (version_ == s.version && object_ == s.object) return;
@@ -158,6 +155,9 @@ void FlatParts::list_triangles(const Surface& s, const Vec3 (&axis)[2]) {
     block_of_[i] = static_cast<std::uint32_t>(place(i, 0, nx_) + nx_ * place(i, 1, ny_));
   blocks_ = static_cast<std::uint32_t>(nx_ * ny_);
   for (levels_ = 1; levels_ < kLevels && (std::max(nx_, ny_) - 1) >> levels_ > 0;) ++levels_;
+  for (int level = 0; level < levels_; ++level)
+    first_node_[level + 1] = first_node_[level] + static_cast<std::size_t>(wide(level) * high(level));
+  sure_.resize(first_node_[levels_]);
   list_.resize(blocks_);
   check_covers(s, longest);
   list_features(points_, 1, [&](auto&& f) {
@@ -337,11 +337,9 @@ Real FlatParts::window(int level, int i, int j, Real most) const {
 bool FlatParts::decide(Real most) {
   FEDER_ASSERT(flat() && most >= 0);
   for (int level = levels_ - 1; level >= 0; --level) {
-    sure_[level].assign(static_cast<std::size_t>(wide(level) * high(level)), 0);
     for (int j = 0; j < high(level); ++j)
-      for (int i = 0; i < wide(level); ++i)
-        sure_[level][static_cast<std::size_t>(i + wide(level) * j)] = window(level, i, j, most) > kSure;
-    if (level == levels_ - 1 && sure_[level][0]) return true;
+      for (int i = 0; i < wide(level); ++i) sure_[node(level, i, j)] = window(level, i, j, most) > kSure;
+    if (level == levels_ - 1 && sure_[node(level, 0, 0)]) return true;
   }
   return false;
 }
@@ -351,7 +349,7 @@ bool FlatParts::apart(int level, int ax, int ay, int bx, int by) const {
   if (std::abs(ax - bx) > 1 || std::abs(ay - by) > 1) return false;
   for (int j = std::max(std::max(ay, by) - 1, 0); j <= std::min(ay, by); ++j)
     for (int i = std::max(std::max(ax, bx) - 1, 0); i <= std::min(ax, bx); ++i)
-      if (sure_[level][static_cast<std::size_t>(i + wide(level) * j)]) return true;
+      if (sure_[node(level, i, j)]) return true;
   return false;
 }
 
@@ -382,9 +380,9 @@ bool meet_in(const Aabb& a, const Aabb& va, const Aabb& b, const Aabb& vb, Real 
 void FlatParts::find_meeting(Real margin) {
   // bounds of blocks, then of the nodes above
   Real most = 0;
-  nodes_[0].assign(blocks_, Node());
+  nodes_.assign(first_node_[levels_], Node());
   for (std::uint32_t b = 0; b < blocks_; ++b) {
-    Node& n = nodes_[0][b];
+    Node& n = nodes_[b];
     const auto include = [&](const Features& f) {
       for (std::uint32_t k = f.points * f.first[b]; k < f.points * f.first[b + 1]; ++k)
         n.box.include(motion_.x[f.v[k]]), n.motion.include(motion_.v[f.v[k]]);
@@ -400,11 +398,10 @@ void FlatParts::find_meeting(Real margin) {
     if (last > first) list_[b].drift /= static_cast<Real>(last - first);
   }
   for (int level = 1; level < levels_; ++level) {
-    nodes_[level].assign(static_cast<std::size_t>(wide(level) * high(level)), Node());
     for (int j = 0; j < high(level - 1); ++j)
       for (int i = 0; i < wide(level - 1); ++i) {
-        const Node& from = nodes_[level - 1][static_cast<std::size_t>(i + wide(level - 1) * j)];
-        Node& to = nodes_[level][static_cast<std::size_t>(i / 2 + wide(level) * (j / 2))];
+        const Node& from = nodes_[node(level - 1, i, j)];
+        Node& to = nodes_[node(level, i / 2, j / 2)];
         to.box.include(from.box), to.motion.include(from.motion);
       }
   }
@@ -425,7 +422,7 @@ void FlatParts::find_meeting(Real margin) {
 // Pairs of blocks under two nodes, or one, that may meet.
 void FlatParts::descend(int level, int ax, int ay, int bx, int by, Real margin) {
   const auto at = [&](int x, int y) { return static_cast<std::uint32_t>(x + wide(level) * y); };
-  const Node &a = nodes_[level][at(ax, ay)], &b = nodes_[level][at(bx, by)];
+  const Node &a = nodes_[node(level, ax, ay)], &b = nodes_[node(level, bx, by)];
   if (a.box.empty() || b.box.empty() || !meet_in(a.box, a.motion, b.box, b.motion, motion_.time, margin)) return;
   if (apart(level, ax, ay, bx, by)) return;
   if (level == 0) return meeting_.push_back({at(ax, ay), at(bx, by)});

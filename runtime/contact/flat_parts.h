@@ -87,6 +87,9 @@ class FlatParts {
   Real window(int level, int i, int j, Real most) const;
   int wide(int level) const { return ((nx_ - 1) >> level) + 1; }
   int high(int level) const { return ((ny_ - 1) >> level) + 1; }
+  std::size_t node(int level, int i, int j) const {
+    return first_node_[level] + static_cast<std::size_t>(i + wide(level) * j);
+  }
   bool apart(int level, int ax, int ay, int bx, int by) const;
   void find_meeting(Real margin);
   void descend(int level, int ax, int ay, int bx, int by, Real margin);
@@ -112,6 +115,7 @@ class FlatParts {
   std::uint64_t version_ = ~std::uint64_t(0);
   std::uint32_t blocks_ = 0;
   int nx_ = 0, ny_ = 0, levels_ = 0;
+  std::size_t first_node_[kLevels + 1] = {};
   Real heights_ = 0, lo_[2] = {0, 0}, hi_[2] = {0, 0};  // of the rest shape in its plane, m
   Motion motion_;
   Array<std::uint32_t> block_of_;  // by point
@@ -120,8 +124,8 @@ class FlatParts {
   Array<std::uint32_t> first_, own_;  // triangles that meet the square of a block, grown by the longest edge
   Array<Block> list_;
   Features points_, edges_, faces_;
-  Array<unsigned char> sure_[kLevels];  // by window: it has a certificate
-  Array<Node> nodes_[kLevels];
+  Array<unsigned char> sure_;  // by window of all levels: it has a certificate
+  Array<Node> nodes_;          // of all levels
   Array<Meeting> meeting_;
   Some some_[2];
   Array<std::uint32_t> hits_;

@@ -269,7 +269,7 @@ Real DistanceField::inside(const Vec3& p, Vec3* slope) const {
 
 Real DistanceField::at(const Vec3& p) const {
   Vec3 u = inverse_ * (p - layout_.origin), in;
-  for (int k = 0; k < 3; ++k) in[k] = std::min(std::max(u[k], Real(0)), Real(layout_.n[k] - 1));
+  for (int k = 0; k < 3; ++k) in[k] = std::min(std::max(Real(0), u[k]), Real(layout_.n[k] - 1));
   if (u == in) return inside(u, nullptr);
   Vec3 slope;
   return at(p, slope);
@@ -278,7 +278,7 @@ Real DistanceField::at(const Vec3& p) const {
 Real DistanceField::at_least(const Vec3& p) const {
   const Vec3 u = inverse_ * (p - layout_.origin);
   Vec3 in;
-  for (int k = 0; k < 3; ++k) in[k] = std::min(std::max(u[k], Real(0)), Real(layout_.n[k] - 1));
+  for (int k = 0; k < 3; ++k) in[k] = std::min(std::max(Real(0), u[k]), Real(layout_.n[k] - 1));
   const Real d = inside(in, nullptr);
   if (u == in) return d;
   const Vec3 gap = layout_.spacing * (u - in);
@@ -289,7 +289,7 @@ Real DistanceField::at_least(const Vec3& p) const {
 Real DistanceField::at(const Vec3& p, Vec3& slope) const {
   const Vec3 u = inverse_ * (p - layout_.origin);
   Vec3 in;
-  for (int k = 0; k < 3; ++k) in[k] = std::min(std::max(u[k], Real(0)), Real(layout_.n[k] - 1));  // NaN: 0
+  for (int k = 0; k < 3; ++k) in[k] = std::min(std::max(Real(0), u[k]), Real(layout_.n[k] - 1));  // NaN: 0
   const Real d = inside(in, &slope);
   if (u == in) return d;
   // the surface point nearest to where the way to it enters the box
@@ -306,7 +306,7 @@ Real DistanceField::at(const Vec3& p, Vec3& slope) const {
     }
     if (!(enter >= 0 && enter <= 1)) break;
     for (int k = 0; k < 3; ++k)
-      in[k] = std::min(std::max(u[k] + enter * (surface[k] - u[k]), Real(0)), Real(layout_.n[k] - 1));
+      in[k] = std::min(std::max(Real(0), u[k] + enter * (surface[k] - u[k])), Real(layout_.n[k] - 1));
   }
   slope = normalized_or(away, Vec3(0, 1, 0));
   return layout_.spacing * length(away);

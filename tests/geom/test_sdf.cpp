@@ -1,5 +1,7 @@
 // Signed distance fields against closed forms: error, slope, closest point and sign by the distance q to the medial
 // axis or the nearest sharp edge; the three ways to acquire them; bad input.
+#include <limits>
+
 #include "base/rng.h"
 #include "feder/error.h"
 #include "feder/sdf.h"
@@ -281,6 +283,22 @@ TEST_CASE("an adaptive field has an eighth of the bytes", "[geom][sdf][heavy]") 
   CHECK(dense >= 4.0 * 250 * 250 * 250);
   // the certificate is that of the dense field: h^2/(4 r) and the sixteen bits
   CHECK(double(fine.error) <= 1.3 * double(fine.spacing) * double(fine.spacing) / 4);
+}
+
+TEST_CASE("a field may be asked anywhere: no place is out of its lists", "[geom][sdf]") {
+  SdfDesc d;
+  d.shape = make_sphere(1), d.spacing = Real(0.1);
+  d.adaptive = GENERATE(false, true);
+  const ShapePtr shape = make_sdf(d);
+  const DistanceField& field = static_cast<const Sdf&>(*shape).field();
+  const Real nan = std::numeric_limits<Real>::quiet_NaN();
+  for (const Real far : {nan, kInfinity, -kInfinity, Real(1e15), Real(-1e15)})
+    for (int k = 0; k < 3; ++k) {
+      Vec3 p = Vec3::Zero(), slope;
+      p[k] = far;
+      CAPTURE(far, k, field.at(p), field.at_least(p), field.at(p, slope), field.smooth_at(p, slope));
+      if (std::abs(far) == Real(1e15)) CHECK(field.at(p) > Real(0.9e15));
+    }
 }
 
 TEST_CASE("bad input to a field is a line that says what to do", "[geom][sdf]") {

@@ -223,7 +223,7 @@ TEST_CASE("cloth and fluid meet a field as they meet what it holds", "[lua][heav
       w:step(180)
       return c:positions()
     end
-    local a, b, most = drape(ball, 0.4, 12), drape(field, 0.4, 12), 0
+    local a, b, most = drape(ball, 0.3, 12), drape(field, 0.3, 12), 0
     for i = 1, #a, 3 do most = math.max(most, math.sqrt((a[i] - b[i])^2 + (a[i+1] - b[i+1])^2 + (a[i+2] - b[i+2])^2)) end
     local folded = math.abs(mean(drape(ball, 1.2, 14), 2) - mean(drape(field, 1.2, 14), 2))
     print(most, folded)
