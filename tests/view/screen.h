@@ -64,8 +64,9 @@ class Screen {
   Screen() {
     int ends[2];
     if (pipe(ends) != 0) return;
+    // a server that resets when its last client leaves may turn away the next one
     server_ = Process({"Xvfb", "-displayfd", std::to_string(ends[1]), "-screen", "0", "800x600x24", "-nolisten", "tcp",
-                       "-fbdir", (folder_ / ".").string()},
+                       "-noreset", "-fbdir", (folder_ / ".").string()},
                       folder_ / "xvfb.log");
     close(ends[1]);
     char text[32] = {};
