@@ -6,9 +6,12 @@
 #include "cloth/batches.h"
 
 #include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include "base/jobs.h"
 #include "base/wide.h"
+#include "cloth/dihedral.h"
 
 namespace feder {
 namespace {
@@ -22,16 +25,27 @@ std::uint32_t direction(const ClothHinge& h) { return h.v[1] > h.v[0] ? h.v[1] -
 double hinge_response(const ClothView& v, const std::uint32_t (&at)[4]) {
   const Vec3 e = v.rest[at[1]] - v.rest[at[0]], a = v.rest[at[2]] - v.rest[at[0]], b = v.rest[at[3]] - v.rest[at[0]],
              n1 = cross(e, a), n2 = cross(b, e);
-  const Real size = length(e), s1 = dot(n1, n1), s2 = dot(n2, n2);
-  if (!(s1 > 0 && s2 > 0 && size > 0)) return 0;
-  Vec3 g[4];
-  g[2] = n1 * (-size / s1), g[3] = n2 * (-size / s2);
-  g[1] = (g[2] * dot(a, e) + g[3] * dot(b, e)) * (-1 / (size * size));
-  g[0] = -(g[1] + g[2] + g[3]);
+  if (!(dot(n1, n1) > 0 && dot(n2, n2) > 0 && dot(e, e) > 0)) return 0;
+  const Dihedral<Vec3> d = dihedral(e, a, b, HingeFloor());
   double response = 0;
   for (int i = 0; i < 4; ++i)
-    if (v.mass[at[i]] > 0) response += static_cast<double>(dot(g[i], g[i]) / v.mass[at[i]]);
+    if (v.mass[at[i]] > 0) response += static_cast<double>(dot(d.gradient[i], d.gradient[i]) / v.mass[at[i]]);
   return response;
+}
+
+double stiffest_link(const ClothView& v) {
+  std::vector<double> sum(v.points, 0);
+  for (const ClothLink& l : v.mesh->links) sum[l.a] += double(l.stiffness), sum[l.b] += double(l.stiffness);
+  double most = 0;
+  for (std::uint32_t i = 0; i < v.points; ++i)
+    if (v.mass[i] > 0) most = std::fmax(most, sum[i] / double(v.mass[i]));
+  return most;
+}
+
+double stiffest_hinge(const ClothView& v) {
+  double most = 0;
+  for (const ClothHinge& k : v.mesh->hinges) most = std::fmax(most, hinge_response(v, k.v) * double(k.stiffness));
+  return most;
 }
 
 void ClothBatches::pick([[maybe_unused]] bool wide) {
@@ -164,26 +178,11 @@ ClothPass ClothBatches::pass(const ClothView& v, Real h) {
 }
 
 void ClothBatches::run(Kernel kernel, const Array<Color>& colors, ClothPass pass, StepContext& c) {
-  if (colors.empty()) return;
-  FEDER_ASSERT(colors.front().first == 0);
-  if (c.jobs->threads() == 1) {  // batches lie in the order of their colours
-    pass.first = colors.front().first, pass.last = colors.back().last;
-    kernel(pass);
-    return;
-  }
-  const auto sweep = [&](std::uint32_t first, std::uint32_t last, int) {
+  for_colors(colors, kBatchGrain, stages_, c, [&](std::uint32_t first, std::uint32_t last, int) {
     ClothPass part = pass;
     part.first = first, part.last = last;
     kernel(part);
-  };
-  // colour after colour is one loop; those beyond kStages follow in loops of their own
-  std::size_t count = 0;
-  for (const Color& color : colors) {
-    stages_[count++] = JobPool::stage(color.first, color.last, kBatchGrain, sweep);
-    if (count < kStages && &color != &colors.back()) continue;
-    c.jobs->run_stages({stages_, count});
-    count = 0;
-  }
+  });
 }
 
 void ClothBatches::solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c) {

@@ -11,13 +11,14 @@
 // times as stiff just below it; ties are not needed. `tolerance` is that of the residual force over the sum of the
 // magnitudes of all forces at the vertices, in the norm of the inverse mass; a solver substep that misses it within
 // `iterations` steps of Newton is spoken of.
-// Kept between steps: layout of the matrix by mesh. Weak spot: one thread, and some hundred times the cost of xpbd;
+// Kept between steps: layout of the matrix by mesh. Weak spot: one thread, and 50 to 100 times the cost of xpbd;
 // Gauss-Newton hinges converge linearly where cloth is creased sharply; contacts correct what it has reached.
 #include <algorithm>
 #include <cmath>
 #include <string>
 #include <vector>
 
+#include "cloth/batches.h"
 #include "cloth/dihedral.h"
 #include "cloth/solver.h"
 #include "linear/block_ldl.h"
@@ -81,12 +82,7 @@ class ImplicitCloth final : public ClothSolver {
   // Any number does for the sheet itself. But contacts and attached bodies move vertices between solver substeps, which
   // stores k d^2/2 in its links, and feel no more than m d/h^2.
   double wanted_substeps(const ClothView& v, Real h) const override {
-    std::vector<double> sum(v.points, 0);
-    for (const ClothLink& l : v.mesh->links) sum[l.a] += double(l.stiffness), sum[l.b] += double(l.stiffness);
-    double most = 0;
-    for (std::uint32_t i = 0; i < v.points; ++i)
-      if (v.mass[i] > 0) most = std::fmax(most, sum[i] / double(v.mass[i]));
-    return double(h) * std::sqrt(most / kStiffSubstep);
+    return double(h) * std::sqrt(stiffest_link(v) / kStiffSubstep);
   }
   bool sheds_strain() const override { return false; }
   bool converges() const override { return true; }

@@ -166,26 +166,12 @@ class Vbd final : public ClothSolver {
     });
   }
 
-  // Colours one after another, in one loop.
   void sweep(const DescentPass& p, StepContext& c) {
-    if (c.jobs->threads() == 1) {
-      DescentPass all = p;
-      all.first = 0, all.last = static_cast<unsigned>(descent_.size());
-      kernels_->descend(all);
-      return;
-    }
-    const auto body = [&](std::uint32_t first, std::uint32_t last, int) {
+    for_colors(colors_, kDescentGrain, stages_, c, [&](std::uint32_t first, std::uint32_t last, int) {
       DescentPass part = p;
       part.first = first, part.last = last;
       kernels_->descend(part);
-    };
-    std::size_t count = 0;
-    for (const Range& r : colors_) {
-      stages_[count++] = JobPool::stage(r.first, r.last, kDescentGrain, body);
-      if (count < kMaxStages && &r != &colors_.back()) continue;
-      c.jobs->run_stages({stages_, count});
-      count = 0;
-    }
+    });
   }
 
   // Part of the acceleration that the guess leaves out: what elastic forces take of it, between none and all.
@@ -223,21 +209,6 @@ class Vbd final : public ClothSolver {
   }
 
   void build(const ClothView& v);
-  // Largest sum of k/m at a vertex, 1/s^2. All vertices count as free.
-  static double stiffest_link(const ClothView& v) {
-    std::vector<double> sum(v.points, 0);
-    for (const ClothLink& l : v.mesh->links) sum[l.a] += double(l.stiffness), sum[l.b] += double(l.stiffness);
-    double most = 0;
-    for (std::uint32_t i = 0; i < v.points; ++i)
-      if (v.mass[i] > 0) most = std::fmax(most, sum[i] / double(v.mass[i]));
-    return most;
-  }
-  // Largest k sum w |gradient|^2, 1/s^2, likewise.
-  static double stiffest_hinge(const ClothView& v) {
-    double most = 0;
-    for (const ClothHinge& k : v.mesh->hinges) most = std::fmax(most, hinge_response(v, k.v) * double(k.stiffness));
-    return most;
-  }
 
   int iterations_;
   Real relaxation_;

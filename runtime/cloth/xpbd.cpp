@@ -70,14 +70,6 @@ class Xpbd final : public ClothSolver {
   }
 
  private:
-  // Largest k sum w |gradient|^2, 1/s^2: a quarter of the square of the fastest bending wave of a strip. All vertices
-  // count as free, so that pins do not matter.
-  static double stiffest_hinge(const ClothView& v) {
-    double stiffest = 0;
-    for (const ClothHinge& k : v.mesh->hinges)
-      stiffest = std::fmax(stiffest, hinge_response(v, k.v) * static_cast<double>(k.stiffness));
-    return stiffest;
-  }
   // Strong damping of the whole substep acts in the middle of the first push, where velocities and positions belong to
   // the same time.
   void push_hinges(const ClothView& v, Real time, StepContext& c) {

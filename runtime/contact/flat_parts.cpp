@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/checks.h"
+#include "bounds/box_query.h"
 
 namespace feder {
 namespace {
@@ -85,7 +86,7 @@ bool nearest_frame(const Vec3& a, const Vec3& b, Vec3 (&e)[2]) {
 
 FlatParts::FlatParts(Arena& a)
     : block_of_(&a), flat_(&a), triangles_(&a), first_(&a), own_(&a), list_(&a), points_(a), edges_(a), faces_(a),
-      sure_(&a), nodes_(&a), meeting_(&a), some_{Some(a), Some(a)}, hits_(&a), hit_(&a) {}
+      sure_(&a), nodes_(&a), meeting_(&a), some_{Some(a), Some(a)}, hits_(&a) {}
 
 void FlatParts::build(const Surface& s) {
   if (version_ == s.version && object_ == s.object) return;
@@ -180,8 +181,7 @@ void FlatParts::list_features(Features& f, std::uint32_t points, Each&& each) {
   for (std::uint32_t b = 0; b < blocks_; ++b) f.first[b + 1] += f.first[b];
   const std::uint32_t count = f.first[blocks_];
   f.v.resize(points * count);
-  for (int k = 0; k < 3; ++k) f.lo[k].resize(count), f.hi[k].resize(count);
-  f.box.resize(blocks_);
+  f.box.resize(count), f.all.resize(blocks_);
   each([&](const std::uint32_t* v) {
     const std::uint32_t at = f.first[block_of_[v[0]]]++;
     std::copy(v, v + points, f.v.begin() + points * at);
@@ -267,6 +267,9 @@ void FlatParts::check_covers(const Surface& s, Real reach) {
 // Frame and certificate of a block.
 void FlatParts::measure_block(Block& b, std::span<const std::uint32_t> own, const Motion& m) {
   b.least = -1, b.largest = b.deviation = 0;
+  for (const std::uint32_t k : own)
+    for (const std::uint32_t i : triangles_[k].v) b.deviation = std::max(b.deviation, m.deviation[i]);
+  if (m.final && !(b.deviation * b.heights < 1)) return;  // nothing that is not stretched could bear that
   const auto gradient = [](const Triangle& t, const Vec3& a, const Vec3& c, Vec3(&f)[2]) {
     f[0] = t.inverse[0] * a + t.inverse[2] * c, f[1] = t.inverse[1] * a + t.inverse[3] * c;
   };
@@ -278,7 +281,6 @@ void FlatParts::measure_block(Block& b, std::span<const std::uint32_t> own, cons
     const Vec3 base = at(t.v[0]);
     gradient(t, at(t.v[1]) - base, at(t.v[2]) - base, f);
     sum[0] += t.area * f[0], sum[1] += t.area * f[1];
-    for (const std::uint32_t i : t.v) b.deviation = std::max(b.deviation, m.deviation[i]);
   }
   if (!nearest_frame(sum[0], sum[1], b.frame.e)) return;
   Real least = 2, largest = 0;
@@ -438,10 +440,11 @@ void FlatParts::descend(int level, int ax, int ay, int bx, int by, Real margin) 
 // Swept boxes of the features of a block, beside its drift, each grown by half of what matters.
 void FlatParts::box_features(std::uint32_t block, Features& f, Real margin) {
   const Vec3& drift = list_[block].drift;
-  Aabb& all = f.box[block];
+  Aabb& all = f.all[block];
   all = Aabb();
   for (std::uint32_t k = f.first[block]; k < f.first[block + 1]; ++k) {
-    Aabb box;
+    Aabb& box = f.box[k];
+    box = Aabb();
     Real off = 0;
     for (std::uint32_t c = 0; c < f.points; ++c) {
       const std::uint32_t i = f.v[f.points * k + c];
@@ -449,46 +452,43 @@ void FlatParts::box_features(std::uint32_t block, Features& f, Real margin) {
       off = std::max(off, motion_.deviation[i]);
     }
     box.grow(off + margin / 2);
-    for (int d = 0; d < 3; ++d) f.lo[d][k] = box.lo[d], f.hi[d][k] = box.hi[d];
     all.include(box);
   }
 }
 
+namespace {
+
+// Where a box may be that goes by `way`.
+Aabb swept(Aabb box, const Vec3& way) {
+  box.lo += way.cwiseMin(Vec3::Zero()), box.hi += way.cwiseMax(Vec3::Zero());
+  return box;
+}
+
+}  // namespace
+
 void FlatParts::pick(const Features& f, std::uint32_t block, const Aabb& box, const Vec3& apart, Some& out) {
-  Real lo[3], hi[3];
-  for (int d = 0; d < 3; ++d)
-    lo[d] = box.lo[d] + std::min(apart[d], Real(0)), hi[d] = box.hi[d] + std::max(apart[d], Real(0));
-  const std::uint32_t first = f.first[block], count = f.first[block + 1] - first;
-  if (out.item.size() < count) {
-    out.item.resize(count);
-    for (int d = 0; d < 3; ++d) out.lo[d].resize(count), out.hi[d].resize(count);
-  }
-  out.count = 0;
-  for (std::uint32_t k = first; k < first + count; ++k) {
-    bool meets = true;
-    for (int d = 0; d < 3; ++d) meets = meets && f.lo[d][k] <= hi[d] && f.hi[d][k] >= lo[d];
-    if (!meets) continue;
-    out.item[out.count] = k;
-    for (int d = 0; d < 3; ++d) out.lo[d][out.count] = f.lo[d][k], out.hi[d][out.count] = f.hi[d][k];
-    ++out.count;
+  const BoxQuery query(swept(box, apart));
+  for_each_of([](auto& array) { array.clear(); }, out.item, out.box, out.run);
+  for (std::uint32_t k = f.first[block]; k < f.first[block + 1]; ++k) {
+    if (!query.meets(f.box[k])) continue;
+    if (out.item.size() % kRun == 0) out.run.push_back(Aabb());
+    out.item.push_back(k), out.box.push_back(f.box[k]);
+    out.run.back().include(f.box[k]);
   }
 }
 
-std::span<const std::uint32_t> FlatParts::hits(const Some& a, std::uint32_t k, const Some& b, std::uint32_t from,
+std::span<const std::uint32_t> FlatParts::hits(const Some& a, std::size_t k, const Some& b, std::size_t from,
                                                const Vec3& apart) {
-  Real lo[3], hi[3];  // grown by the way of the other block beside its own, backwards
-  for (int d = 0; d < 3; ++d)
-    lo[d] = a.lo[d][k] - std::max(apart[d], Real(0)), hi[d] = a.hi[d][k] - std::min(apart[d], Real(0));
-  if (hit_.size() < b.count) hit_.resize(b.count), hits_.resize(b.count);
-  const Real *x0 = b.lo[0].data(), *x1 = b.hi[0].data(), *y0 = b.lo[1].data(), *y1 = b.hi[1].data(),
-             *z0 = b.lo[2].data(), *z1 = b.hi[2].data();
-  unsigned char* hit = hit_.data();
-  for (std::uint32_t i = from; i < b.count; ++i)
-    hit[i] = static_cast<unsigned char>((x0[i] <= hi[0]) & (x1[i] >= lo[0]) & (y0[i] <= hi[1]) & (y1[i] >= lo[1]) &
-                                        (z0[i] <= hi[2]) & (z1[i] >= lo[2]));
-  std::uint32_t n = 0;
-  for (std::uint32_t i = from; i < b.count; ++i)
-    if (hit[i]) hits_[n++] = b.item[i];
+  const BoxQuery query(swept(a.box[k], -apart));  // the other block stands still
+  if (hits_.size() < b.item.size()) hits_.resize(b.item.size());
+  std::size_t n = 0;
+  for (std::size_t r = from / kRun; r < b.run.size(); ++r) {
+    if (!query.meets(b.run[r])) continue;
+    for (std::size_t i = std::max(r * kRun, from), end = std::min((r + 1) * kRun, b.item.size()); i < end; ++i) {
+      hits_[n] = b.item[i];
+      n += query.meets(b.box[i]) ? 1 : 0;
+    }
+  }
   return {hits_.data(), n};
 }
 

@@ -28,6 +28,7 @@ class FlatParts {
     const Vec3 *x = nullptr, *v = nullptr;  // m, m/s
     const Real* deviation = nullptr;        // m
     Real time = 0;                          // s
+    bool final = false;                     // decide() gets no smaller deviations: what these rule out is not measured
   };
   void measure(const Motion& m);
   // Whether nothing of it can meet itself, with deviations of `most` at most.
@@ -44,6 +45,7 @@ class FlatParts {
 
  private:
   static constexpr int kLevels = 8;
+  static constexpr std::size_t kRun = 6;
   struct Frame {
     Vec3 e[2] = {Vec3::Zero(), Vec3::Zero()};
   };
@@ -70,13 +72,10 @@ class FlatParts {
   };
   // Features by block, each in that of its first point.
   struct Features {
-    explicit Features(Arena& a)
-        : first(&a), v(&a),
-          box(&a), lo{Array<Real>(&a), Array<Real>(&a), Array<Real>(&a)}, hi{Array<Real>(&a), Array<Real>(&a),
-                                                                             Array<Real>(&a)} {}
+    explicit Features(Arena& a) : first(&a), v(&a), box(&a), all(&a) {}
     Array<std::uint32_t> first, v;  // `points` numbers each
-    Array<Aabb> box;                // of all of a block
-    Array<Real> lo[3], hi[3];       // swept, beside the drift of the block, m
+    Array<Aabb> box;                // swept, beside the drift of the block, m
+    Array<Aabb> all;                // of all of a block
     std::uint32_t points = 1;
   };
   void list_triangles(const Surface& s, const Vec3 (&axis)[2]);
@@ -94,20 +93,17 @@ class FlatParts {
   void find_meeting(Real margin);
   void descend(int level, int ax, int ay, int bx, int by, Real margin);
   void box_features(std::uint32_t block, Features& f, Real margin);
-  // Those of the features of a block that may meet `box`, which moves by `apart` beside it.
+  // Features of a block.
   struct Some {
-    explicit Some(Arena& a)
-        : item(&a), lo{Array<Real>(&a), Array<Real>(&a), Array<Real>(&a)}, hi{Array<Real>(&a), Array<Real>(&a),
-                                                                              Array<Real>(&a)} {}
+    explicit Some(Arena& a) : item(&a), box(&a), run(&a) {}
     Array<std::uint32_t> item;
-    Array<Real> lo[3], hi[3];
-    std::uint32_t count = 0;
+    Array<Aabb> box, run;  // of each, and of each kRun of them
   };
+  // Those that may meet `box`, which goes `apart` beside the block.
   static void pick(const Features& f, std::uint32_t block, const Aabb& box, const Vec3& apart, Some& out);
   // Indices in `hits_` of those from `from` on, of a block that goes `apart` beside that of `a`, which item k of `a`
   // may meet.
-  std::span<const std::uint32_t> hits(const Some& a, std::uint32_t k, const Some& b, std::uint32_t from,
-                                      const Vec3& apart);
+  std::span<const std::uint32_t> hits(const Some& a, std::size_t k, const Some& b, std::size_t from, const Vec3& apart);
   template <class F>
   void each_in(const Meeting& m, F&& f);
 
@@ -129,23 +125,23 @@ class FlatParts {
   Array<Meeting> meeting_;
   Some some_[2];
   Array<std::uint32_t> hits_;
-  Array<unsigned char> hit_;
 };
 
 template <class F>
 void FlatParts::each_in(const Meeting& m, F&& f) {
   const auto point = [](const Features& of, std::uint32_t k, std::uint32_t i) { return of.v[of.points * k + i]; };
   const Vec3 apart = motion_.time * (list_[m.b].drift - list_[m.a].drift);  // way of b beside a
+  Some &own = some_[0], &other = some_[1];
   const auto against = [&](const Features& p, std::uint32_t a, const Features& q, std::uint32_t b, const Vec3& way) {
-    pick(p, a, q.box[b], way, some_[0]);
-    if (some_[0].count > 0) pick(q, b, p.box[a], -way, some_[1]);
-    return some_[0].count > 0;
+    pick(p, a, q.all[b], way, own);
+    if (!own.item.empty()) pick(q, b, p.all[a], -way, other);
+    return !own.item.empty();
   };
   const auto points = [&](std::uint32_t a, std::uint32_t b, const Vec3& way) {  // points of a, triangles of b
     if (!against(points_, a, faces_, b, way)) return;
-    for (std::uint32_t k = 0; k < some_[0].count; ++k)
-      for (const std::uint32_t t : hits(some_[0], k, some_[1], 0, way)) {
-        const std::uint32_t v[4] = {point(points_, some_[0].item[k], 0), point(faces_, t, 0), point(faces_, t, 1),
+    for (std::size_t k = 0; k < own.item.size(); ++k)
+      for (const std::uint32_t t : hits(own, k, other, 0, way)) {
+        const std::uint32_t v[4] = {point(points_, own.item[k], 0), point(faces_, t, 0), point(faces_, t, 1),
                                     point(faces_, t, 2)};
         if (v[0] != v[1] && v[0] != v[2] && v[0] != v[3]) f(v, false);
       }
@@ -153,9 +149,9 @@ void FlatParts::each_in(const Meeting& m, F&& f) {
   points(m.a, m.b, apart);
   if (m.a != m.b) points(m.b, m.a, -apart);
   if (!against(edges_, m.a, edges_, m.b, apart)) return;
-  for (std::uint32_t k = 0; k < some_[0].count; ++k)
-    for (const std::uint32_t e : hits(some_[0], k, some_[1], m.a == m.b ? k + 1 : 0, apart)) {
-      const std::uint32_t i = some_[0].item[k];
+  for (std::size_t k = 0; k < own.item.size(); ++k)
+    for (const std::uint32_t e : hits(own, k, other, m.a == m.b ? k + 1 : 0, apart)) {
+      const std::uint32_t i = own.item[k];
       const std::uint32_t v[4] = {point(edges_, i, 0), point(edges_, i, 1), point(edges_, e, 0), point(edges_, e, 1)};
       if (v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3]) f(v, true);
     }

@@ -107,7 +107,7 @@ struct SurfaceContact::Impl {
   void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
   void bound_others(const SurfaceGroup& g);
   FlatParts& parts_of(const Surface& s);
-  void measure_parts(const SurfaceGroup& g, Real time);
+  void measure_parts(const SurfaceGroup& g, Real time, bool held);
   // Whether a feature of surface n is searched for contact by trees.
   bool searched(std::uint32_t n, const Aabb& bounds) const {
     const Surface& s = list[n];

@@ -126,8 +126,8 @@ FlatParts& SurfaceContact::Impl::parts_of(const Surface& s) {
 }
 
 // Contacts of flat sheets with themselves are found by their parts. Where a smaller deviation would rule out all of
-// them, that is what the search allows.
-void SurfaceContact::Impl::measure_parts(const SurfaceGroup& g, Real time) {
+// them, that is what the search allows, unless points are to be held back.
+void SurfaceContact::Impl::measure_parts(const SurfaceGroup& g, Real time, bool held) {
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
     if (!s.active || !s.self) continue;
@@ -135,9 +135,9 @@ void SurfaceContact::Impl::measure_parts(const SurfaceGroup& g, Real time) {
     p.build(s);
     if (!p.flat()) continue;
     Real* deviation = max_deviation.data() + s.first;
-    p.measure({search_position.data() + s.first, search_velocity.data() + s.first, deviation, time});
+    p.measure({search_position.data() + s.first, search_velocity.data() + s.first, deviation, time, held});
     flat_parts[n] = &p, sealed[n] = p.decide(kInfinity);
-    if (sealed[n]) continue;
+    if (sealed[n] || held) continue;
     const Real less = kClosedShare / p.heights();
     if (less < bearable[n] && (sealed[n] = p.decide(less))) {
       bearable[n] = less;
@@ -186,7 +186,7 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
     }
   }
   bound_others(g);
-  measure_parts(g, time);
+  measure_parts(g, time, held);
   // features that may be in contact
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];

@@ -6,7 +6,7 @@ local build = require "feder.build"
 local kinds = { "rigid", "net", "cloth", "fluid" }
 local below = feder.param("below", "rigid", { choices = kinds })
 local above = feder.param("above", "rigid", { choices = kinds })
-local cloth = feder.param("cloth", "xpbd", { choices = { "xpbd", "mass_spring" } })
+local cloth = feder.param("cloth", "xpbd", { choices = { "xpbd", "mass_spring", "vbd", "implicit" } })
 local fluid = feder.param("fluid", "pbf", { choices = { "pbf", "wcsph", "dfsph" } })
 local integrator = feder.param("integrator", "symplectic_euler", { choices = { "explicit_euler", "symplectic_euler",
   "midpoint", "heun", "rk2", "rk4", "leapfrog", "velocity_verlet", "yoshida4", "rk45", "implicit_euler",
