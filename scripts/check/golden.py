@@ -41,7 +41,9 @@ LONG = ("scenes/rigid/ragdolls.lua --world rigid.solver=impulse", "scenes/rigid/
         "scenes/rigid/pyramid.lua --world rigid.solver=impulse", "scenes/fluid/bottle.lua",
         "scenes/fluid/rain_on_pond.lua", "scenes/fluid/fountain.lua", "scenes/fluid/dam_break.lua",
         "scenes/fluid/honey.lua", "scenes/fluid/sluice.lua", "scenes/fluid/wave_tank.lua",
-        "scenes/study/honey_fold.lua --set particles=40", "scenes/study/siphon.lua --set particles=40")
+        "scenes/study/honey_fold.lua --set particles=40", "scenes/study/siphon.lua --set particles=40",
+        *(f"{PAIR} --set below=cloth --set above=fluid --set cloth=implicit --set fluid={fluid}"
+          for fluid in ("pbf", "wcsph", "dfsph")))
 
 
 def integrators():
