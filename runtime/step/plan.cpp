@@ -104,8 +104,10 @@ void StepPlan::run_loop(PlanNode& loop, std::uint32_t first, StepContext& c) {
       else
         c.inner = {static_cast<int>(g), k, counts[g]};
       const bool clocked = --idle < 0;
-      // uneven, or loops of a multiple of kClockEvery would always show the same iterations
-      if (clocked) idle = clock_every_ == 1 ? 0 : clock_every_ - 1 + static_cast<int>(loop.counter.calls % 3);
+      // uneven, or loops of a multiple of kClockEvery would always show the same iterations; by a multiplicative hash
+      // (Knuth, TAOCP 3, 6.4), which follows no multiple either
+      const auto mixed = static_cast<std::uint32_t>(loop.counter.calls) * 2654435769u;
+      if (clocked) idle = clock_every_ == 1 ? 0 : clock_every_ - 1 + static_cast<int>((mixed >> 16) % 3);
       run_nodes(first, loop.end, c, clocked);
       ++loop.counter.calls;
     }
