@@ -235,7 +235,7 @@ TEST_CASE("a drape over a curved body comes to rest, whatever the number of solv
   if (round) CHECK(cloth.asleep(id));
 }
 
-TEST_CASE("a body hung from a cloth by attachments swings with it; the joints hold", "[couple][cloth]") {
+TEST_CASE("a body hung from a cloth by attachments swings with it; the joints hold", "[couple][cloth][heavy]") {
   const char* const solver = GENERATE("xpbd", "vbd", "implicit");
   World w(WorldDesc{}, kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();

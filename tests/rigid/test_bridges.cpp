@@ -73,7 +73,7 @@ struct Bridge {
 
 }  // namespace
 
-TEST_CASE("crates on bridges of hinged planks give them no energy", "[rigid][once][bridge]") {
+TEST_CASE("crates on bridges of hinged planks give them no energy", "[rigid][once][bridge][heavy]") {
   const char* solver = solver_name(GENERATE(range(0, solver_count())));
   const int planks = GENERATE(12, 20, 30, 40), crates = GENERATE(1, 3, 5, 8);
   if (solver != std::string("soft_step") && planks > 12) return;  // ten times slower
