@@ -169,7 +169,7 @@ constexpr Option<ClothReading> kCloth[] = {
     field<&ClothDesc::mask>("mask", "", kBits),
     field<&ClothDesc::substeps>("substeps", "", {1, 10000}).unset(),
     field<&ClothDesc::max_substeps>("max_substeps", "", {1, 10000}),
-    field<&ClothDesc::stretch_error>("stretch_error", "", kPositive),
+    field<&ClothDesc::stretch_error>("stretch_error", "", kPositive).unset(),
     {{.name = "solver"}, "string", read_solver, show_solver, nullptr, names_of<cloth_solvers>},
     special("integrator", "string", read_integrator),
     field<&ClothDesc::solver_options>("solver_options").with(options_of<cloth_solvers>),

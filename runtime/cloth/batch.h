@@ -40,11 +40,25 @@ struct HingeDamping {
   Lane8 max_response;   // of sum w |gradient|^2 k: the value at rest, 1/s^2
 };
 
+// Eight rows of the matrix of quadratic bending (bending.h), and their numbers: entries first .. last - 1.
+struct BendBlock {
+  unsigned vertex[kLanes];
+  unsigned first, last;
+  Lane8x3 force;  // at the start of the step, N
+};
+
+struct BendEntry {
+  unsigned other[kLanes];
+  Lane8 stiffness;  // N/m
+};
+
 struct ClothPass {
   LinkBatch* links;
   HingeBatch* hinges;
   HingeDamping* damping;
   TieBatch* ties;
+  const BendBlock* bend_blocks;
+  const BendEntry* bend_entries;
   unsigned first, last;      // range of batches
   WideReal* delta_position;  // Row4 as four numbers each
   const WideReal* before;    // likewise, at the start of the solver substep
@@ -65,6 +79,7 @@ struct ClothKernels {
   void (*ties)(const ClothPass&);
   void (*hinges)(const ClothPass&);
   void (*bend_hinges)(const ClothPass&);
+  void (*bend_flat)(const ClothPass&);
   void (*damp_links)(const ClothPass&);
   void (*damp_hinges)(const ClothPass&);
   void (*damp_begin)(const ClothPass&);

@@ -133,6 +133,7 @@ void ClothBatches::build(const ClothView& v) {
     b.compliance.v[i] = compliance(h.stiffness);
   });
   measure_hinges(v);
+  if (quadratic_) quadratic_->build(v);
 }
 
 void ClothBatches::current_position(const ClothView& v) {
@@ -142,6 +143,7 @@ void ClothBatches::current_position(const ClothView& v) {
   for (HingeBatch& b : hinges_)
     for (int k = 0; k < 3; ++k)
       for (int i = 0; i < kLanes; ++i) put(b.base[k], i, v.position[b.v[k + 1][i]] - v.position[b.v[0][i]]);
+  if (quadratic_) quadratic_->current_position(v);
 }
 
 void ClothBatches::limit(const ClothView& v, Real h, StepContext& c) {
@@ -194,7 +196,14 @@ void ClothBatches::solve(const ClothView& v, Real h, bool hinges, bool again, St
 }
 
 void ClothBatches::bend(const ClothView& v, Real h, StepContext& c) {
-  run(kernels_->bend_hinges, hinge_colors_, pass(v, h), c);
+  ClothPass p = pass(v, h);
+  if (!quadratic_ || !quadratic_->exists()) return run(kernels_->bend_hinges, hinge_colors_, p, c);
+  quadratic_->write(p);
+  c.jobs->for_blocks(quadratic_->blocks(), kBatchGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    ClothPass part = p;
+    part.first = first, part.last = last;
+    kernels_->bend_flat(part);
+  });
 }
 
 }  // namespace feder

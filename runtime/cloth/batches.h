@@ -1,8 +1,11 @@
 // Coloured batches of links and hinges: what the kernels run over. Private to the module.
 #pragma once
+#include <memory>
+
 #include "base/checks.h"
 #include "base/jobs.h"
 #include "cloth/batch.h"
+#include "cloth/bending.h"
 #include "cloth/damping.h"
 #include "cloth/solver.h"
 
@@ -35,14 +38,17 @@ void for_colors(const Colors& colors, const JobGrain& grain, JobPool::Stage (&st
 
 class ClothBatches {
  public:
-  explicit ClothBatches(Arena& a) : arena_(a) {}
+  // quadratic: bend() takes the constant form of bending.h where the cloth is flat at rest.
+  explicit ClothBatches(Arena& a, bool quadratic = false)
+      : arena_(a), quadratic_(quadratic ? std::make_unique<QuadraticBending>(a) : nullptr) {}
   // Wide kernels where the processor has them; "plain" for tests.
   void pick(bool wide);
   // Colours and batches for this mesh; does nothing for the version it has.
   void build(const ClothView& v);
   void current_position(const ClothView& v);                                        // edges at the start of the step
   void solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c);  // one sweep of a solver substep
-  void bend(const ClothView& v, Real h, StepContext& c);   // forces of hinges over h into `velocity`
+  // Forces of hinges over h into `velocity`.
+  void bend(const ClothView& v, Real h, StepContext& c);
   void limit(const ClothView& v, Real h, StepContext& c);  // links without their force, to v.max_strain
   void tie(const ClothView& v, Real h, StepContext& c);    // vertices to their anchors
   // Strain rate out of `velocity` over h, see damping.cpp.
@@ -77,6 +83,7 @@ class ClothBatches {
   Array<LinkBatch> links_{&arena_};
   Array<HingeBatch> hinges_{&arena_};
   Array<Color> link_colors_{&arena_}, hinge_colors_{&arena_};
+  std::unique_ptr<QuadraticBending> quadratic_;
   JobPool::Stage stages_[kStages];                        // of the pass that runs: its colours
   mutable Array<std::uint64_t> used_{&arena_};            // by vertex: colours taken; marks of validate()
   Array<std::uint32_t> color_{&arena_}, order_{&arena_};  // by element; the order they are coloured in

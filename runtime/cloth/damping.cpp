@@ -9,7 +9,7 @@
 // lag positions by half a solver substep would pump modes whose phase returns with the substeps (trace of the map of a
 // mode above 1 + P, P what damping leaves of its velocity): xpbd therefore damps between two half kicks. Links get the
 // sweep alone: what they lose to it is below what XPBD takes from them anyway. Weak spot: the time is bounded by
-// kMaxStages (longest_damping), with a warning.
+// kMostStages (longest_damping), with a warning.
 #include <algorithm>
 #include <cmath>
 
@@ -18,7 +18,7 @@
 
 namespace feder {
 namespace {
-constexpr int kMaxStages = 512;
+constexpr int kMostStages = 512;
 constexpr double kLeft = 3;                 // T_s(w0): 1/kLeft is left of the fastest modes
 constexpr std::uint32_t kDampGrain = 1024;  // vertices per job
 }  // namespace
@@ -90,7 +90,7 @@ void ClothBatches::prepare_stages(const ClothView& v) {
 
 double ClothBatches::longest_damping(Real h) const {
   const double rate = bending_ * static_cast<double>(h);
-  return rate > 0 ? DampingStages(kMaxStages).stability_limit() / rate : double(kInfinity);
+  return rate > 0 ? DampingStages(kMostStages).stability_limit() / rate : double(kInfinity);
 }
 
 void ClothBatches::damp_links(const ClothView& v, Real h, StepContext& c) {
@@ -107,9 +107,9 @@ void ClothBatches::damp_hinges(const ClothView& v, Real h, StepContext& c) {
 }
 
 void ClothBatches::run_stages(const ClothView& v, Real h, StepContext& c) {
-  // linearise the hinges; beyond kMaxStages the damping time is cut to what they carry
+  // linearise the hinges; beyond kMostStages the damping time is cut to what they carry
   const double z = stability(v, h);
-  const int count = DampingStages::needed(z, kMaxStages);
+  const int count = DampingStages::needed(z, kMostStages);
   DampingStages stages(count);
   prepare_stages(v);
   FEDER_ASSERT(pushes_.size() == v.total && stage_.size() == v.total && damping_.size() == hinges_.size());

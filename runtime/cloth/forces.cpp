@@ -1,6 +1,6 @@
 // Forces on vertices, once per substep: gravity, scripts, the world's force generators. Generators that act on areas
 // (wind) are evaluated per triangle and act as pressure along and across its normal (forces/area.h). Air is still where
-// no wind acts on the cloth.
+// no wind acts on the cloth; what it does is small in a step for most cloths, and is then found once a step.
 #include "forces/forces.h"
 
 #include <algorithm>
@@ -10,6 +10,10 @@
 #include "forces/area.h"
 
 namespace feder {
+namespace {
+constexpr Real kCalm = Real(0.05);  // largest share of a triangle's mass that calm air stops in a step
+}  // namespace
+
 void Cloth::Impl::add_forces(StepContext& c) {
   const Forces* forces = store.find<Forces>();
   const double time = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
@@ -43,7 +47,10 @@ void Cloth::Impl::add_forces(StepContext& c) {
       }
       if (blown && s.settings.wind) add_wind(s, time, c.h);
     }
-    if (!blown && s.settings.wind && air_density > 0) add_still_air(s, c.h);
+    if (!blown && s.settings.wind && air_density > 0) {
+      if (s.gusty) meet_still_air(s, c.h, c.dt);
+      for (std::uint32_t i = 0; i < s.points; ++i) force[i] += air[s.first + i];
+    }
     // accelerations; hidden vertices have none
     Vec3 sum = g * s.mass;
     for (std::uint32_t i = 0; i < s.points; ++i) {
@@ -95,9 +102,13 @@ void Cloth::Impl::add_wind(Sheet& s, double time, Real h) {
   }
 }
 
-void Cloth::Impl::add_still_air(const Sheet& s, Real h) {
-  FEDER_ASSERT(force.size() >= s.points && air_density > 0);
+// Force of still air by vertex, in `air`.
+void Cloth::Impl::meet_still_air(Sheet& s, Real h, Real dt) {
+  FEDER_ASSERT(air_density > 0 && h > 0 && h <= dt);
+  air.resize(vertices.size());
+  std::fill(air.begin() + s.first, air.begin() + s.first + s.total, Vec3(Vec3::Zero()));
   const AreaShares shares{s.settings.drag, s.settings.lift};
+  Real taken = 0;
   for (std::size_t t = 0; t < s.mesh.triangles.size(); t += 3) {
     const std::uint32_t* v = &s.mesh.triangles[t];
     const Vec3 x = current_position(s.first + v[0]), a = current_position(s.first + v[1]),
@@ -108,9 +119,10 @@ void Cloth::Impl::add_still_air(const Sheet& s, Real h) {
         {delta_position[s.first + v[0]].w, delta_position[s.first + v[1]].w, delta_position[s.first + v[2]].w});
     if (!(weight > 0)) continue;
     const Real most = kMaxMassShare / (weight * h);
-    const Vec3 third = still_air(u, cross(a - x, b - x), air_density, most, shares) / 3;
-    for (int k = 0; k < 3; ++k) force[v[k]] += third;
+    const Vec3 third = still_air(u, cross(a - x, b - x), air_density, most, shares, taken) / 3;
+    for (int k = 0; k < 3; ++k) air[s.first + v[k]] += third;
   }
+  s.gusty = taken * kMaxMassShare * dt > kCalm * h;
 }
 
 }  // namespace feder

@@ -34,6 +34,7 @@ struct Cloth::Impl {
   Array<Row4>&delta_position, &before, &velocity;  // members of `surfaces`
   Array<Vec3> acceleration{&arena};                // gravity, script, wind
   Array<Vec3> force{&arena};                       // work memory of forces.cpp, N
+  Array<Vec3> air{&arena};                         // likewise: of still air, N
   Array<MassPoint> points{&arena};
   struct Carried {
     std::uint32_t attachment;  // in the group
@@ -114,7 +115,7 @@ struct Cloth::Impl {
   void gather(Sheet& s, Real h);
   void add_forces(StepContext& c);
   void add_wind(Sheet& s, double time, Real h);
-  void add_still_air(const Sheet& s, Real h);
+  void meet_still_air(Sheet& s, Real h, Real dt);
   void quarantine(StepContext& c);
   void update_sleep(StepContext& c);
   // watch.cpp

@@ -239,6 +239,23 @@ void bend_hinges(const ClothPass& p) {
   }
 }
 
+// Force of quadratic bending as an impulse on velocities, row by row.
+void bend_flat(const ClothPass& p) {
+  const Lanes h = all_lanes(p.h), zero = zero_lanes();
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const BendBlock& b = p.bend_blocks[i];
+    const Lanes3 own = gather(p.delta_position, b.vertex).v;
+    Lanes3 sum{zero, zero, zero};
+    for (unsigned e = b.first; e < b.last; ++e) {
+      const BendEntry& k = p.bend_entries[e];
+      sum = sum + (gather(p.delta_position, k.other).v - own) * load(k.stiffness);
+    }
+    Rows8 u = gather(p.velocity, b.vertex);
+    u.v = u.v + (load(b.force) - sum) * (h * u.w);
+    scatter(p.velocity, b.vertex, u);
+  }
+}
+
 // Damping of strain rate on velocities, implicit in its own row: J = -rate T/(compliance + T weight), T = damping x h.
 void damp_links(const ClothPass& p) {
   const Lanes time = all_lanes(p.damping_time);
@@ -310,8 +327,9 @@ void damp_stage(const ClothPass& p) {
   }
 }
 
-constexpr ClothKernels kKernels = {solve_links<false>, solve_links<true>, limit_links, solve_ties, solve_hinges,
-                                   bend_hinges,        damp_links,        damp_hinges, damp_begin, damp_stage};
+constexpr ClothKernels kKernels = {solve_links<false>, solve_links<true>, limit_links, solve_ties,
+                                   solve_hinges,       bend_hinges,       bend_flat,   damp_links,
+                                   damp_hinges,        damp_begin,        damp_stage};
 
 }  // namespace
 }  // namespace feder

@@ -18,12 +18,22 @@ namespace {
 constexpr Real kMinGravity = 1;  // m/s^2, at least: weightless cloth is pulled by something else
 constexpr double kStay = 0.9;    // hysteresis: a number that falls by less than this share stays
 
+// Strain that sweeps may leave. Where ties to pins hold a cloth that bears nothing, what they leave is below their
+// limit whatever the sweeps do.
+double stretch_error(const Sheet& s) {
+  constexpr double kUsual = 0.01, kTied = 0.05;
+  if (s.settings.stretch_error > 0) return double(s.settings.stretch_error);
+  if (s.ties.batches.empty()) return kUsual;
+  const double tied = std::fmax(kUsual, std::fmin(double(s.settings.max_strain), kTied));
+  return kUsual + double(s.unladen()) * (tied - kUsual);
+}
+
 // What to do about a cap that is too low: where the stretch law asks for the solver substeps, the stretch_error that
 // the cap can hold, in two digits upwards; and the cap itself, which has a largest value.
 std::string cap_cure(const Sheet& s, double wanted, double cap) {
   std::string cure;
   if (wanted <= 10000) cure = "max_substeps = " + std::to_string(static_cast<int>(std::ceil(wanted)));
-  const double error = double(s.settings.stretch_error) * (wanted / cap) * (wanted / cap);
+  const double error = stretch_error(s) * (wanted / cap) * (wanted / cap);
   if (s.bend_substeps <= cap && error <= 0.5) {
     const double digit = std::pow(10.0, std::floor(std::log10(error)) - 1);
     cure += (cure.empty() ? "" : " or ") + ("stretch_error = " + print_number(std::ceil(error / digit) * digit));
@@ -128,7 +138,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
         const double own = double(std::max({weight, s.state.pull, kMinGravity})), load = double(s.state.load / s.mass);
         const double g = (sheds ? own + swing(s) : 0) + own * load + double(s.impact);
         const double n = s.rows, h = c.h;
-        wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / double(s.settings.stretch_error * s.path)));
+        wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / (stretch_error(s) * double(s.path))));
       }
       // the cap of the settings, with a warning
       const double cap = std::fmax(s.settings.max_substeps, s.solver->least_cap());
@@ -202,7 +212,7 @@ void Cloth::Impl::prepare(StepContext& c) {
   for (auto& s : sheets) {
     any_active = any_active || s->active();
     s->bad_vertex = kNone;
-    s->prepared = false;
+    s->prepared = false, s->gusty = true;
     if (s->kinetic < 0) s->kinetic = kinetic_energy(*s);
     s->kinetic_before = s->kinetic;
     for (ClothGhost& g : s->mesh.ghosts) {

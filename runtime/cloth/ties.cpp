@@ -18,8 +18,9 @@
 
 namespace feder {
 namespace {
-constexpr std::size_t kNearest = 2;   // pins that a vertex is tied to
-constexpr std::size_t kFarPins = 32;  // sample by which pins are found to have moved apart
+constexpr std::size_t kNearest = 2;    // pins that a vertex is tied to
+constexpr Real kTieShare = Real(0.8);  // of max_strain, at which ties to pins act: links next to a pin stretch beyond
+constexpr std::size_t kFarPins = 32;   // sample by which pins are found to have moved apart
 
 struct Label {
   std::uint32_t anchor = kNone;
@@ -170,13 +171,15 @@ void Cloth::Impl::place_ties(Sheet& s) {
       separation = std::max(separation, length(x[i] - x[j]) / (longest * length(rest[i] - rest[j])));
     }
   FEDER_ASSERT(t.anchor.size() == t.batches.size() * kLanes && !s.paths_stale);
+  // bodies on it push the cloth against its ties and do not know them: there the links hold first
+  const Real limit = (1 + (1 - s.unladen() * (1 - kTieShare)) * s.settings.max_strain) * separation;
   for (std::size_t n = 0; n < t.batches.size(); ++n)
     for (int k = 0; k < kLanes; ++k) {
       const std::size_t at = n * kLanes + static_cast<std::size_t>(k);
       TieBatch& b = t.batches[n];
       const Vec3 base = t.anchor[at] == kNone ? Vec3(0, 0, 0) : Vec3(x[b.a[k]] - x[t.anchor[at]]);
       b.base.x.v[k] = base[0], b.base.y.v[k] = base[1], b.base.z.v[k] = base[2];
-      b.limit.v[k] = t.rest[at] * longest * separation;
+      b.limit.v[k] = t.rest[at] * limit;
     }
 }
 

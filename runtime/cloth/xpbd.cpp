@@ -25,7 +25,7 @@ constexpr JobGrain kGrain{1024, 4'000};  // vertices per job
 
 class Xpbd final : public ClothSolver {
  public:
-  Xpbd(Arena& a, const Params& p) : batches_(a), iterations_(p.integer({"iterations", "", {1, 1000}}, 1)) {
+  Xpbd(Arena& a, const Params& p) : batches_(a, true), iterations_(p.integer({"iterations", "", {1, 1000}}, 1)) {
     batches_.pick(wide_kernels(p));
   }
 
@@ -36,8 +36,8 @@ class Xpbd final : public ClothSolver {
   }
 
   void advance(const ClothView& v, double t, Real h, StepContext& c) override {
-    // kick: soft hinges push at the state that the last solver substep left, which is exact at rest, unlike a sweep
     FEDER_ASSERT(version_ == v.version);
+    // kick: soft hinges push at the state that the last solver substep left, which is exact at rest, unlike a sweep
     soft_ = stiffest_ * double(h) * double(h) <= kSoftHinge;
     const int now = static_cast<int>(std::lround((t - c.time - c.substep * double(c.h)) / double(h)));
     const int together = !soft_ ? 0 : v.crowded ? 1 : pushed_now(now, h, c);
@@ -70,12 +70,13 @@ class Xpbd final : public ClothSolver {
   }
 
  private:
-  // Strong damping of the whole substep acts in the middle of the first push, where velocities and positions belong to
-  // the same time.
+  // Strong damping acts in the middle of the first push of the step, or of each substep where the whole step is more
+  // than stages carry: velocities and positions belong to the same time there.
   void push_hinges(const ClothView& v, Real time, StepContext& c) {
-    const bool damped = !pushed_ && v.damping > 0 && batches_.damps_in_stages(v, c.h);
+    const bool whole = double(v.damping) <= batches_.longest_damping(c.dt);
+    const bool damped = !pushed_ && v.damping > 0 && batches_.damps_in_stages(v, c.h) && (!whole || c.substep == 0);
     batches_.bend(v, damped ? time / 2 : time, c);
-    if (damped) batches_.damp_hinges(v, c.h, c), batches_.bend(v, time / 2, c);
+    if (damped) batches_.damp_hinges(v, whole ? c.dt : c.h, c), batches_.bend(v, time / 2, c);
     pushed_ = true;
   }
   // Number of solver substeps for which soft hinges push before this one; 0: not now. Groups are odd, so that they have
