@@ -1,15 +1,15 @@
-// Damping of strain rate, once per substep, at velocities: M v' = -tau K v over h with the stiffness K of hinges and
-// links, so that a mode of frequency w decays at tau w^2/2 (Kelvin-Voigt). The modes of a sheet spread over many
-// decades (a strip of n segments: w^2 grows with n^4), and one sweep in which each hinge is implicit by itself carries
-// damping across a hinge or two only: it is what a fine sheet gets when h tau w^2 of its fastest mode is small. Else
-// hinges are damped by stages of an explicit Runge-Kutta-Chebyshev method (van der Houwen and Sommeijer 1980; Verwer,
-// Hundsdorfer and Sommeijer 1990, eq. 2.3 ff., first order): s stages are stable to h tau w^2 = 1.07 s^2, all hinges
-// push at once in each, so that momentum and angular momentum are kept. Implicit Euler with conjugate gradients asks
-// for as many products, and in float for more: its residual is lost in rounding at w^2 ratios of 10^6. Velocities that
-// lag positions by half a solver substep would pump modes whose phase returns with the substeps (trace of the map of a
-// mode above 1 + P, P what damping leaves of its velocity): xpbd therefore damps between two half kicks. Links get the
-// sweep alone: what they lose to it is below what XPBD takes from them anyway. Weak spot: the time is bounded by
-// kMostStages (longest_damping), with a warning.
+// Damping of strain rate, once per substep (bending by stages: once per step where they carry that), at velocities: M
+// v' = -tau K v over h with the stiffness K of hinges and links, so that a mode of frequency w decays at tau w^2/2
+// (Kelvin-Voigt). The modes of a sheet spread over many decades (a strip of n segments: w^2 grows with n^4), and one
+// sweep in which each hinge is implicit by itself carries damping across a hinge or two only: it is what a fine sheet
+// gets when h tau w^2 of its fastest mode is small. Else hinges are damped by stages of an explicit
+// Runge-Kutta-Chebyshev method (van der Houwen and Sommeijer 1980; Verwer, Hundsdorfer and Sommeijer 1990, eq. 2.3 ff.,
+// first order): s stages are stable to h tau w^2 = 1.07 s^2, all hinges push at once in each, so that momentum and
+// angular momentum are kept. Implicit Euler with conjugate gradients asks for as many products, and in float for more:
+// its residual is lost in rounding at w^2 ratios of 10^6. Velocities that lag positions by half a solver substep would
+// pump modes whose phase returns with the substeps (trace of the map of a mode above 1 + P, P what damping leaves of
+// its velocity): xpbd therefore damps between two half kicks. Links get the sweep alone: what they lose to it is below
+// what XPBD takes from them anyway. Weak spot: the time is bounded by kMostStages (longest_damping), with a warning.
 #include <algorithm>
 #include <cmath>
 

@@ -4,17 +4,19 @@
 #include <cmath>
 
 #include "base/checks.h"
+#include "base/wide.h"
 #include "bounds/box_query.h"
 
 namespace feder {
 namespace {
 
-constexpr int kBlockCells = 4;          // mean edges along the side of a block
-constexpr int kMostBlocks = 64;         // along a side
-constexpr Real kSure = Real(0.5);       // least share of a distance at rest that is kept: sheets bend by 60 degrees
-constexpr Real kFlatness = Real(1e-4);  // of the extent: how far points of a flat rest shape lie from its plane
-constexpr Real kCovered = Real(1e-3);   // error of the area of a window that is covered once
-constexpr Real kInside = Real(1e-3);    // of the longest edge: how far a border is inside of a window
+constexpr int kBlockCells = 4;            // mean edges along the side of a block
+constexpr int kMostBlocks = 64;           // along a side
+constexpr Real kSure = Real(0.5);         // least share of a distance at rest that is kept: sheets bend by 60 degrees
+constexpr Real kFlatness = Real(1e-4);    // of the extent: how far points of a flat rest shape lie from its plane
+constexpr Real kCovered = Real(1e-3);     // error of the area of a window that is covered once
+constexpr Real kInside = Real(1e-3);      // of the longest edge: how far a border is inside of a window
+constexpr JobGrain kMeasure{16, 20'000};  // blocks per job
 
 Vec3 in_plane(const Vec3& n) {  // a unit vector across n
   const Vec3 a = std::abs(n[0]) < Real(0.6) ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
@@ -85,8 +87,13 @@ bool nearest_frame(const Vec3& a, const Vec3& b, Vec3 (&e)[2]) {
 }  // namespace
 
 FlatParts::FlatParts(Arena& a)
-    : block_of_(&a), flat_(&a), triangles_(&a), first_(&a), own_(&a), list_(&a), points_(a), edges_(a), faces_(a),
-      sure_(&a), nodes_(&a), meeting_(&a), some_{Some(a), Some(a)}, hits_(&a) {}
+    : block_of_(&a), flat_(&a), triangles_(&a), first_(&a), own_(&a), round_(a), corners_(a), batches_(&a),
+      first_batch_(&a), gradients_(&a), at_(&a), way_(&a), list_(&a), points_(a), edges_(a), faces_(a), sure_(&a),
+      nodes_(&a), meeting_(&a), some_{Some(a), Some(a)}, hits_(&a) {
+#if defined(__x86_64__) || defined(__i386__)
+  if (runs_avx2()) kernels_ = &kFlatKernelsAvx2;
+#endif
+}
 
 void FlatParts::build(const Surface& s) {
   if (version_ == s.version && object_ == s.object) return;
@@ -171,6 +178,47 @@ void FlatParts::list_triangles(const Surface& s, const Vec3 (&axis)[2]) {
     const std::uint32_t* ends = s.edges.ends;
     for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride) f(ends);
   });
+  list_batches();
+  list_points(round_, [&](std::uint32_t b, auto&& f) {
+    for (std::uint32_t k = first_[b]; k < first_[b + 1]; ++k)
+      for (const std::uint32_t i : triangles_[own_[k]].v) f(i);
+  });
+  list_points(corners_, [&](std::uint32_t b, auto&& f) {
+    for (const Features* of : {&points_, &faces_, &edges_})
+      for (std::uint32_t k = of->points * of->first[b]; k < of->points * of->first[b + 1]; ++k) f(of->v[k]);
+  });
+  at_.resize(s.count), way_.resize(s.count);
+}
+
+// Each point of a block once, in the order of their numbers.
+template <class Each>
+void FlatParts::list_points(Points& p, Each&& each) {
+  p.first.assign(blocks_ + 1, 0), p.point.clear();
+  for (std::uint32_t b = 0; b < blocks_; ++b) {
+    const auto begin = static_cast<std::ptrdiff_t>(p.point.size());
+    each(b, [&](std::uint32_t i) { p.point.push_back(i); });
+    std::sort(p.point.begin() + begin, p.point.end());
+    p.point.erase(std::unique(p.point.begin() + begin, p.point.end()), p.point.end());
+    p.first[b + 1] = static_cast<std::uint32_t>(p.point.size());
+  }
+}
+
+void FlatParts::list_batches() {
+  batches_.clear(), first_batch_.assign(blocks_ + 1, 0), most_batches_ = 0;
+  for (std::uint32_t b = 0; b < blocks_; ++b) {
+    for (std::uint32_t k = first_[b]; k < first_[b + 1]; k += kLanes) {
+      FlatBatch& batch = batches_.emplace_back();
+      for (std::uint32_t i = 0; i < kLanes; ++i) {
+        const bool whole = k + i < first_[b + 1];
+        const Triangle& t = triangles_[own_[whole ? k + i : k]];
+        for (int c = 0; c < 3; ++c) batch.v[c][i] = t.v[c];
+        for (int c = 0; c < 4; ++c) batch.inverse[c].v[i] = t.inverse[c];
+        batch.area.v[i] = whole ? t.area : Real(0);
+      }
+    }
+    first_batch_[b + 1] = static_cast<std::uint32_t>(batches_.size());
+    most_batches_ = std::max(most_batches_, first_batch_[b + 1] - first_batch_[b]);
+  }
 }
 
 template <class Each>
@@ -265,48 +313,33 @@ void FlatParts::check_covers(const Surface& s, Real reach) {
 }
 
 // Frame and certificate of a block.
-void FlatParts::measure_block(Block& b, std::span<const std::uint32_t> own, const Motion& m) {
+void FlatParts::measure_block(std::uint32_t block, const Motion& m, int worker) {
+  Block& b = list_[block];
   b.least = -1, b.largest = b.deviation = 0;
-  for (const std::uint32_t k : own)
-    for (const std::uint32_t i : triangles_[k].v) b.deviation = std::max(b.deviation, m.deviation[i]);
+  for (const std::uint32_t i : round_.of(block)) b.deviation = std::max(b.deviation, m.deviation[i]);
   if (m.final && !(b.deviation * b.heights < 1)) return;  // nothing that is not stretched could bear that
-  const auto gradient = [](const Triangle& t, const Vec3& a, const Vec3& c, Vec3(&f)[2]) {
-    f[0] = t.inverse[0] * a + t.inverse[2] * c, f[1] = t.inverse[1] * a + t.inverse[3] * c;
-  };
-  Vec3 sum[2] = {Vec3::Zero(), Vec3::Zero()};
-  for (const std::uint32_t k : own) {
-    const Triangle& t = triangles_[k];
-    Vec3 f[2];
-    const auto at = [&](std::uint32_t i) { return Vec3(m.x[i] + (m.time / 2) * m.v[i]); };
-    const Vec3 base = at(t.v[0]);
-    gradient(t, at(t.v[1]) - base, at(t.v[2]) - base, f);
-    sum[0] += t.area * f[0], sum[1] += t.area * f[1];
-  }
+  FlatPass p{};
+  p.batches = batches_.data() + first_batch_[block], p.count = first_batch_[block + 1] - first_batch_[block];
+  p.gradients = gradients_.data() + static_cast<std::size_t>(worker) * most_batches_;
+  p.at = &at_[0].x, p.way = &way_[0].x;
+  kernels_->gradients(p);
+  const Vec3 sum[2] = {{p.sum[0][0], p.sum[0][1], p.sum[0][2]}, {p.sum[1][0], p.sum[1][1], p.sum[1][2]}};
   if (!nearest_frame(sum[0], sum[1], b.frame.e)) return;
-  Real least = 2, largest = 0;
-  const auto test = [&](const Triangle& t, const Vec3& a, const Vec3& c) {
-    Vec3 f[2];
-    gradient(t, a, c, f);
-    const Real xx = dot(b.frame.e[0], f[0]), yy = dot(b.frame.e[1], f[1]),
-               xy = (dot(b.frame.e[0], f[1]) + dot(b.frame.e[1], f[0])) / 2;
-    const Real half = (xx - yy) / 2;
-    least = std::min(least, (xx + yy) / 2 - std::sqrt(half * half + xy * xy));
-    largest = std::max(largest, dot(f[0], f[0]) + dot(f[1], f[1]));
-  };
-  for (const std::uint32_t k : own) {
-    const Triangle& t = triangles_[k];
-    const Vec3 a = m.x[t.v[1]] - m.x[t.v[0]], c = m.x[t.v[2]] - m.x[t.v[0]];
-    test(t, a, c);
-    test(t, a + m.time * Vec3(m.v[t.v[1]] - m.v[t.v[0]]), c + m.time * Vec3(m.v[t.v[2]] - m.v[t.v[0]]));
-  }
-  b.least = least, b.largest = std::sqrt(largest);
+  for (int n = 0; n < 2; ++n)
+    for (int k = 0; k < 3; ++k) p.frame[n][k] = b.frame.e[n][k];
+  kernels_->test(p);
+  b.least = p.least, b.largest = std::sqrt(p.largest);
 }
 
-void FlatParts::measure(const Motion& m) {
+void FlatParts::measure(const Motion& m, JobPool& jobs) {
   FEDER_ASSERT(flat() && m.time >= 0);
   motion_ = m;
-  for (std::uint32_t b = 0; b < blocks_; ++b)
-    if (list_[b].covered) measure_block(list_[b], {own_.data() + first_[b], first_[b + 1] - first_[b]}, m);
+  for (std::size_t i = 0; i < at_.size(); ++i) at_[i].set(m.x[i]), way_[i].set(m.time * m.v[i]);
+  gradients_.resize(static_cast<std::size_t>(jobs.threads()) * most_batches_);
+  jobs.for_blocks(blocks_, kMeasure, [&](std::uint32_t first, std::uint32_t last, int worker) {
+    for (std::uint32_t b = first; b < last; ++b)
+      if (list_[b].covered) measure_block(b, m, worker);
+  });
 }
 
 // Certificate of the window of 2^(level + 1) blocks along each side whose first is 2^level times (i, j).
@@ -385,11 +418,7 @@ void FlatParts::find_meeting(Real margin) {
   nodes_.assign(first_node_[levels_], Node());
   for (std::uint32_t b = 0; b < blocks_; ++b) {
     Node& n = nodes_[b];
-    const auto include = [&](const Features& f) {
-      for (std::uint32_t k = f.points * f.first[b]; k < f.points * f.first[b + 1]; ++k)
-        n.box.include(motion_.x[f.v[k]]), n.motion.include(motion_.v[f.v[k]]);
-    };
-    include(points_), include(faces_), include(edges_);
+    for (const std::uint32_t i : corners_.of(b)) n.box.include(motion_.x[i]), n.motion.include(motion_.v[i]);
     list_[b].boxed = false;
     list_[b].drift = Vec3::Zero();
     const std::uint32_t first = points_.first[b], last = points_.first[b + 1];

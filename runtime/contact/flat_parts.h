@@ -10,6 +10,8 @@
 #pragma once
 #include <span>
 
+#include "base/jobs.h"
+#include "contact/flat_batch.h"
 #include "feder/memory.h"
 #include "feder/types.h"
 #include "state/surface.h"
@@ -30,7 +32,7 @@ class FlatParts {
     Real time = 0;                          // s
     bool final = false;                     // decide() gets no smaller deviations: what these rule out is not measured
   };
-  void measure(const Motion& m);
+  void measure(const Motion& m, JobPool& jobs);
   // Whether nothing of it can meet itself, with deviations of `most` at most.
   bool decide(Real most);
   // Largest sum of inverse heights of a triangle at rest, 1/m: a deviation takes that much of a certificate.
@@ -70,6 +72,14 @@ class FlatParts {
     Real inverse[4];     // of the edges at rest in the plane, by rows, 1/m
     Real area, heights;  // m^2; sum of the inverse heights, 1/m
   };
+  // Points by block, each once: those of block b are point[first[b]] .. point[first[b + 1] - 1].
+  struct Points {
+    explicit Points(Arena& a) : first(&a), point(&a) {}
+    Array<std::uint32_t> first, point;
+    std::span<const std::uint32_t> of(std::uint32_t b) const {
+      return {point.data() + first[b], first[b + 1] - first[b]};
+    }
+  };
   // Features by block, each in that of its first point.
   struct Features {
     explicit Features(Arena& a) : first(&a), v(&a), box(&a), all(&a) {}
@@ -80,9 +90,12 @@ class FlatParts {
   };
   void list_triangles(const Surface& s, const Vec3 (&axis)[2]);
   void check_covers(const Surface& s, Real reach);
+  void list_batches();
+  template <class Each>
+  void list_points(Points& p, Each&& each);
   template <class Each>
   void list_features(Features& f, std::uint32_t points, Each&& each);
-  void measure_block(Block& b, std::span<const std::uint32_t> own, const Motion& m);
+  void measure_block(std::uint32_t block, const Motion& m, int worker);
   Real window(int level, int i, int j, Real most) const;
   int wide(int level) const { return ((nx_ - 1) >> level) + 1; }
   int high(int level) const { return ((ny_ - 1) >> level) + 1; }
@@ -118,6 +131,14 @@ class FlatParts {
   Array<Real> flat_;               // by point: two coordinates at rest
   Array<Triangle> triangles_;
   Array<std::uint32_t> first_, own_;  // triangles that meet the square of a block, grown by the longest edge
+  Points round_, corners_;            // points of those triangles, and of the features of a block
+  // The same triangles in batches, those of block b from first_batch_[b] on; and of a measurement.
+  const FlatKernels* kernels_ = &kFlatKernelsPlain;
+  Array<FlatBatch> batches_;
+  Array<std::uint32_t> first_batch_;
+  std::uint32_t most_batches_ = 0;  // of a block
+  Array<FlatGradients> gradients_;  // of the block that a thread is at
+  Array<Row4> at_, way_;            // by point: positions and displacements, m
   Array<Block> list_;
   Features points_, edges_, faces_;
   Array<unsigned char> sure_;  // by window of all levels: it has a certificate

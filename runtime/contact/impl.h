@@ -36,6 +36,7 @@ struct SurfaceContact::Impl {
   Array<Row4>&delta_position, &before, &velocity;
   Array<SurfacePair>& surface_pairs;
   std::vector<std::unique_ptr<NearSearch>> searches;  // by group
+  JobPool* jobs = nullptr;                            // of this step
 
   // groups.cpp
   Array<std::uint32_t> surface_of_body{&arena};  // by solver index: the first surface connected to it

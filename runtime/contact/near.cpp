@@ -135,7 +135,7 @@ void SurfaceContact::Impl::measure_parts(const SurfaceGroup& g, Real time, bool 
     p.build(s);
     if (!p.flat()) continue;
     Real* deviation = max_deviation.data() + s.first;
-    p.measure({search_position.data() + s.first, search_velocity.data() + s.first, deviation, time, held});
+    p.measure({search_position.data() + s.first, search_velocity.data() + s.first, deviation, time, held}, *jobs);
     flat_parts[n] = &p, sealed[n] = p.decide(kInfinity);
     if (sealed[n] || held) continue;
     const Real less = kClosedShare / p.heights();
@@ -191,7 +191,7 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
     const std::uint32_t* ends = s.edges.ends;
-    if (!(s.active && s.self) && others_box[n].empty()) continue;
+    if ((flat_parts[n] || !(s.active && s.self)) && others_box[n].empty()) continue;
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
       if (searched(n, vertex_box[i])) near.near_point.push_back(i);
     for (std::size_t t = 0; t + 2 < s.triangles.size(); t += 3) {

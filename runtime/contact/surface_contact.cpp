@@ -61,7 +61,8 @@ void SurfaceContact::add_passes(StepPlan& plan) {
 
 std::size_t SurfaceContact::count() const { return count_pairs(impl_->contacts, impl_->finder); }
 
-void SurfaceContact::Impl::begin_step(StepContext&) {
+void SurfaceContact::Impl::begin_step(StepContext& c) {
+  jobs = c.jobs;
   surfaces.begin();
   surfaces.row_updates = 0;
   projected = widened = 0;

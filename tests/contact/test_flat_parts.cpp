@@ -94,7 +94,8 @@ int check(const Patch& p, const std::vector<Vec3>& x, const std::vector<Vec3>& v
   FlatParts parts(arena);
   parts.build(p.surface);
   REQUIRE(parts.flat());
-  parts.measure({x.data(), v.data(), deviation.data(), time});
+  JobPool jobs;
+  parts.measure({x.data(), v.data(), deviation.data(), time}, jobs);
   std::set<std::array<std::uint32_t, 5>> found;
   int twice = 0;
   if (!parts.decide(kInfinity))
@@ -181,7 +182,8 @@ TEST_CASE("a window of a sheet with a slit, and rest shapes that are not flat, h
   FlatParts parts(arena);
   parts.build(slit.surface);
   const std::vector<Real> still(x.size(), 0);
-  parts.measure({x.data(), v.data(), still.data(), Real(0.01)});
+  JobPool jobs;
+  parts.measure({x.data(), v.data(), still.data(), Real(0.01)}, jobs);
   CHECK_FALSE(parts.decide(kInfinity));
 
   Patch bent = sheet_without(8, [](std::uint32_t, std::uint32_t) { return false; });
