@@ -202,17 +202,24 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
     if (!s.balls) {
       if (s.active && colliders_.motion[k] != ColliderMotion::dynamic) warn_of_pins(s, k, c);
       for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
-        if (overlaps(box_[i], box) && !anchored(i, body)) candidates_.push_back({n, k, i, 0});
+        if (overlaps(box_[i], box) && !anchored(i, body)) candidates_.push_back({n, k, i, 1});
     }
-    // triangles: not against planes, which corners alone can be in contact with
+    // triangles and segments: not against planes, which corners alone can be in contact with
     if (!s.active || !is_finite(shape.extent(Vec3(0, 0, 0)))) continue;
+    const std::uint32_t* ends = s.edges.ends;
+    for (std::uint32_t e = 0; !s.balls && s.triangles.empty() && e < s.edges.count; ++e, ends += s.edges.stride) {
+      Aabb b = box_[s.first + ends[0]];
+      b.include(box_[s.first + ends[1]]);
+      if (!overlaps(b, box) || anchored(s.first + ends[0], body) || anchored(s.first + ends[1], body)) continue;
+      candidates_.push_back({n, k, e, 2});
+    }
     for (std::uint32_t t = 0; t < s.triangles.size() / 3; ++t) {
       const std::uint32_t* q = &s.triangles[3 * t];
       Aabb b = box_[s.first + q[0]];
       b.include(box_[s.first + q[1]]), b.include(box_[s.first + q[2]]);
       if (!overlaps(b, box)) continue;
       if (anchored(s.first + q[0], body) || anchored(s.first + q[1], body) || anchored(s.first + q[2], body)) continue;
-      candidates_.push_back({n, k, t, 1});
+      candidates_.push_back({n, k, t, 3});
     }
   }
 }

@@ -1,6 +1,7 @@
-// Surfaces and rigid bodies in one world: contact of points and triangles with every shape, by the narrow phase that
-// bodies use. Exists as soon as a world has both. Rows go to the loop of the surface's group, which pushes both sides
-// at the same moment. Points that are colliders of their own (of nets) collide there, and only their triangles here.
+// Surfaces and rigid bodies in one world: contact of points, segments and triangles with every shape, by the narrow
+// phase that bodies use. Exists as soon as a world has both. Rows go to the loop of the surface's group, which pushes
+// both sides at the same moment. Points that are colliders of their own (of nets) collide there, and only their
+// triangles here.
 #pragma once
 #include "feder/query.h"
 #include "feder/rigid.h"
@@ -27,12 +28,12 @@ class SurfaceRigid final : public System {
   void validate() const override;
 
  private:
-  // Candidate of this step: a point or triangle near a collider.
+  // Candidate of this step: a point, segment or triangle near a collider.
   struct Candidate {
     std::uint32_t surface = 0;  // in Surfaces::list
     std::uint32_t collider = 0;
-    std::uint32_t index = 0;     // of the point in Surfaces, or of the triangle within its surface
-    std::uint32_t triangle = 0;  // 1: the latter
+    std::uint32_t index = 0;    // of the point in Surfaces, or of the edge or triangle within its surface
+    std::uint32_t corners = 1;  // 2: the edge of a surface without triangles; 3: a triangle
   };
   // Contact state of a surface and a body in this step.
   struct ContactState {
@@ -74,6 +75,7 @@ class SurfaceRigid final : public System {
   BodyPose body_pose(std::uint32_t collider) const;
   void point_rows(const Candidate& k, const BodyPose& at, StepContext& c);
   void triangle_rows(const Candidate& k, const BodyPose& at, StepContext& c);
+  void segment_rows(const Candidate& k, const BodyPose& at, StepContext& c);
   void add_row(const Candidate& k, const BodyPose& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
                const Vec3& normal, Real gap, const Vec3& point);
   std::uint32_t state_of(const Surface& surface, ObjectId body);

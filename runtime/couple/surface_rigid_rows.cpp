@@ -1,13 +1,13 @@
-// Contact rows of a substep. A point is a ball of half the thickness, a triangle three points rounded by it; both are
-// tested against a collider by the narrow phase that bodies use. Triangles give rows only where a shape meets them
-// between their corners (a ball, an edge, a tip), because corners have rows of their own. Speculative contacts: a pair
-// within its motion of the substep gets a row before it is in contact. One that would pass more than part of the body's
-// size is cast along its relative motion instead (conservative advancement): the normal is then that of the time of
-// impact, so nothing tunnels, and nothing beside the path collides. A row acts at the cloth's point on both sides, so
-// linear and angular momentum are passed on exactly. A pin within half the thickness of a shape, or inside it, cannot
-// be pushed out: triangles at it may be as deep as the line from its depth to that of corners outside, and a point that
-// is all but pinned gives no row. Kept between calls: nothing. Weak spot: normals are frozen until rows are made again
-// (refresh_rows).
+// Contact rows of a substep. A point is a ball of half the thickness, a triangle three points rounded by it, the edge
+// of a surface without triangles two; all are tested against a collider by the narrow phase that bodies use. Triangles
+// give rows only where a shape meets them between their corners (a ball, an edge, a tip), because corners have rows of
+// their own; segments likewise. Speculative contacts: a pair within its motion of the substep gets a row before it is
+// in contact. One that would pass more than part of the body's size is cast along its relative motion instead
+// (conservative advancement): the normal is then that of the time of impact, so nothing tunnels, and nothing beside the
+// path collides. A row acts at the cloth's point on both sides, so linear and angular momentum are passed on exactly. A
+// pin within half the thickness of a shape, or inside it, cannot be pushed out: triangles at it may be as deep as the
+// line from its depth to that of corners outside, and a point that is all but pinned gives no row. Kept between calls:
+// nothing. Weak spot: normals are frozen until rows are made again (refresh_rows).
 #include <algorithm>
 #include <cmath>
 
@@ -84,7 +84,7 @@ void SurfaceRigid::fill_rows(StepContext& c) {
       deep_pins_.clear();
     }
     if (!wanted) continue;
-    k.triangle ? triangle_rows(k, at, c) : point_rows(k, at, c);
+    k.corners == 1 ? point_rows(k, at, c) : k.corners == 2 ? segment_rows(k, at, c) : triangle_rows(k, at, c);
   }
 }
 
@@ -116,7 +116,7 @@ void SurfaceRigid::add_row(const Candidate& k, const BodyPose& at, const std::ui
     r.vertex[i] = v[i], r.weight[i] = weight[i];
     d += weight[i] * x.vec();
     if (x.w != 0) free += weight[i];
-    if (k.triangle) gap += weight[i] * pin_depth_[v[i]];
+    if (k.corners > 1) gap += weight[i] * pin_depth_[v[i]];
   }
   // all but pinned: only the body moves
   if (free < kFreeShare) {
@@ -242,6 +242,56 @@ void SurfaceRigid::triangle_rows(const Candidate& k, const BodyPose& at, StepCon
       nearest_weights(p.position - (radius + p.separation / 2) * m[i].normal - a, b, e, weight);
       if (std::max({weight[0], weight[1], weight[2]}) > kCorner) continue;
       add_row(k, at, v, weight, -m[i].normal, p.separation, a + weight[1] * b + weight[2] * e);
+    }
+}
+
+// A segment gives rows where a shape meets it between its ends, which have rows of their own.
+void SurfaceRigid::segment_rows(const Candidate& k, const BodyPose& at, StepContext& c) {
+  const Surface& info = surfaces_.list[k.surface];
+  FEDER_ASSERT(k.index < info.edges.count);
+  const std::uint32_t* ends = info.edges.ends + std::size_t(k.index) * info.edges.stride;
+  const std::uint32_t v[3] = {info.first + ends[0], info.first + ends[1], info.first + ends[1]};
+  const Vec3 a = current_position(v[0]), b = current_position(v[1]) - a;
+  const Real bb = dot(b, b);
+  if (!(bb > 0)) return;
+  const Vec3 body_velocity = at.velocity + cross(at.angular_velocity, a + b / 2 - at.center),
+             fall = (speculative_time_ * speculative_time_) * c.gravity;
+  // relative motion of the ends: only a segment that approaches with both of them is cast
+  const Vec3 travels[2] = {speculative_time_ * (surfaces_.velocity[v[0]].vec() - body_velocity) + fall,
+                           speculative_time_ * (surfaces_.velocity[v[1]].vec() - body_velocity) + fall};
+  const Real far[2] = {length(travels[0]), length(travels[1])};
+  const Vec3 travel = (travels[0] + travels[1]) / 2;
+  const Real radius = Real(0.5) * info.thickness;
+  const Real cast_travel = radius + kCastShare * smallest_[k.collider];  // m, from which on it is cast
+  const SurfaceSegment shape(b, radius);
+  const Shape& body = *colliders_.shape[k.collider];
+  const auto add = [&](const Vec3& normal, Real gap, const Vec3& nearest, bool between) {
+    const Real share = clamp(dot(nearest - a, b) / bb, 0, 1);
+    if (between && std::max(share, 1 - share) > kCorner) return;
+    const Real weight[3] = {1 - share, share, 0};
+    add_row(k, at, v, weight, normal, gap, a + share * b);
+  };
+  if (std::min(far[0], far[1]) > cast_travel) {
+    CastHit hit;
+    if (shape_cast(shape, {a, Quat{}}, travel, body, at.pose, hit) && hit.fraction > 0) {
+      const Real closing = -dot(hit.normal, travel);
+      if (closing > 0)
+        add(hit.normal, hit.fraction * closing, hit.point + radius * hit.normal - hit.fraction * travel, false);
+      return;
+    }
+  }
+  Manifold m[kMaxManifolds];
+  PairCache cache;
+  const Real margin =
+      std::min(std::max(far[0], far[1]), radius + smallest_[k.collider]) + kSpeculativeDistance * info.thickness;
+  Aabb near = shape.bounds({a, Quat{}});
+  near.grow(margin);
+  if (!overlaps(near, at.box)) return;
+  const int count = collide_.narrow().collide(shape, {a, Quat{}}, body, at.pose, margin, cache, m);
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < m[i].count; ++j) {
+      const ManifoldPoint& p = m[i].points[j];
+      add(-m[i].normal, p.separation, p.position - (radius + p.separation / 2) * m[i].normal, true);
     }
 }
 

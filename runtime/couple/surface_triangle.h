@@ -1,5 +1,9 @@
-// A triangle of a surface as a convex shape: three points rounded by half the thickness. Made where a test needs it.
+// A triangle or a segment of a surface as a convex shape: its points rounded by half the thickness. Made where a test
+// needs it.
 #pragma once
+#include <algorithm>
+#include <cmath>
+
 #include "feder/shape.h"
 #include "geom/closest.h"
 
@@ -48,6 +52,40 @@ class SurfaceTriangle final : public Shape {
 
  private:
   Vec3 p_[3], normal_;
+};
+
+class SurfaceSegment final : public Shape {
+ public:
+  // From the origin to b.
+  SurfaceSegment(const Vec3& b, Real radius) : Shape(any_convex_kind(), true, radius), b_(b) {
+    const Vec3 across = std::abs(b[0]) < Real(0.6) * length(b) ? Vec3(1, 0, 0) : Vec3(0, 1, 0);
+    normal_ = normalized_or(cross(b, across), Vec3(0, 1, 0));
+  }
+  Aabb bounds(const Pose& pose) const override {
+    Aabb box;
+    box.include(pose.position), box.include(to_world(pose, b_));
+    box.grow(radius());
+    return box;
+  }
+  MassProperties mass(Real) const override { return {}; }
+  Real extent(const Vec3& center) const override {
+    return std::max(length(center), length(Vec3(b_ - center))) + radius();
+  }
+  bool raycast(const Vec3&, const Vec3&, RayHit&) const override { return false; }
+  Real distance(const Vec3& p, Real, Vec3& normal) const override {
+    return round_distance(p - closest_on_segment(p, Vec3(0, 0, 0), b_), radius(), normal_, normal);
+  }
+  Vec3 support(const Vec3& d) const override { return dot(b_, d) > 0 ? b_ : Vec3(0, 0, 0); }
+  int face(const Vec3& d, Vec3* out) const override {
+    const Real along = dot(d, b_);
+    if (along * along > kAlong * kAlong * dot(b_, b_)) return out[0] = support(d), 1;
+    out[0] = Vec3(0, 0, 0), out[1] = b_;
+    return 2;
+  }
+
+ private:
+  static constexpr Real kAlong = Real(0.9);  // cosine: beyond, an end looks that way and not the side
+  Vec3 b_, normal_;
 };
 
 }  // namespace feder

@@ -20,11 +20,11 @@ STORED = ROOT / "tests/golden/doors.json"
 WANTED = {"system": 4, "coupling": 1, "shape": 1, "joint": 1, "variant": 1}
 # Words by which a system's files in bindings/ and elsewhere are known to be its own.
 BODIES = ("rigid", "body", "bodies", "joint", "region", "queries")  # what collide serves
-OWN = {"springs": ("springs", "net"), "rigid": BODIES, "cloth": ("cloth",), "fluid": ("fluid", "emitter"),
+OWN = {"springs": ("springs", "net"), "rigid": BODIES, "cloth": ("cloth",), "rope": ("rope",), "fluid": ("fluid", "emitter"),
        "collide": ("collide", *BODIES), "contact": ("contact", "surface")}
 PUBLIC = {"springs": "net", "collide": "query"}  # feder/<name>.h of the system, where it is called otherwise
 # Where a system's name in quotes is the name of something else: a layer, node, event, part of a suite, option.
-ELSEWHERE = {"springs": {"bindings/view/toggles.cpp", "bindings/view/export_gltf.cpp"},
+ELSEWHERE = {"rope": {"bindings/lua/joint.cpp"}, "springs": {"bindings/view/toggles.cpp", "bindings/view/export_gltf.cpp"},
              "contact": {"runtime/include/feder/events.h", "bindings/cli/study_suite.cpp",
                          "bindings/lua/expect_world.cpp"}}
 # A variant's name in quotes is its own only where its family is named too: "drag" is an option of cloth elsewhere.

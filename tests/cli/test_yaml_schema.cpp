@@ -109,6 +109,9 @@ cloths:
     pins: [top_left, 2, left_clamped]
     wind: { drag: 0.5 }
     max_strain: false
+ropes:
+  - { from: [30, 5, 0], to: [31, 5, 0], segments: 6, pins: [first_clamped, 3], bend: 0.01 }
+  - { points: [[30, 6, 0], [31, 6, 0], [31, 6, 1]], pins: last }
 fluids:
   - spacing: 0.1
     solver: pbf
@@ -208,9 +211,9 @@ TEST_CASE("a mistake in a scene in YAML is refused by the schema and by the prog
 TEST_CASE("the schema has every option of its makers with sentence and unit, and defaults fit",
           "[cli][schemas][yaml]") {
   const Json pages = Program().run("doc --json").json();
-  const std::map<std::string, const char*> lists = {{"world:body", "bodies"},  {"world:region", "regions"},
-                                                    {"world:joint", "joints"}, {"world:net", "nets"},
-                                                    {"world:cloth", "cloths"}, {"world:fluid", "fluids"}};
+  const std::map<std::string, const char*> lists = {
+      {"world:body", "bodies"},  {"world:region", "regions"}, {"world:joint", "joints"}, {"world:net", "nets"},
+      {"world:cloth", "cloths"}, {"world:rope", "ropes"},     {"world:fluid", "fluids"}};
   const Json& known = schema()["properties"];
   std::size_t rows = 0;
   for (const Json& page : pages) {

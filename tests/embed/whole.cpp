@@ -1,4 +1,4 @@
-// The whole runtime by its public headers alone: bodies, a joint, a net, a cloth and a fluid in one world, with
+// The whole runtime by its public headers alone: bodies, a joint, a net, a cloth, a rope and a fluid in one world, with
 // queries, events, forces, snapshots and a recording; a study; and the YAML reader handed to a script host.
 #include <feder/cloth.h>
 #include <feder/fluid.h>
@@ -7,6 +7,7 @@
 #include <feder/query.h>
 #include <feder/record.h>
 #include <feder/rigid.h>
+#include <feder/rope.h>
 #include <feder/study.h>
 #include <feder/world.h>
 #include <feder/yaml.h>
@@ -43,6 +44,10 @@ void make_things(World& world) {
   ClothDesc sheet;
   sheet.name = "sheet", sheet.nx = sheet.ny = 5, sheet.pose.position = Vec3(-3, 1, 0);
   world.need<Cloth>().add_cloth(sheet);
+
+  RopeDesc line;
+  line.name = "line", line.points = {Vec3(-6, 3, 0), Vec3(-6, 2, 0), Vec3(-6, 1, 0)}, line.pins = {0};
+  world.need<Rope>().add_rope(line);
 
   FluidDesc water;
   water.name = "water";

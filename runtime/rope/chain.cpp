@@ -1,0 +1,278 @@
+#include "rope/chain.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/trig.h"
+#include "feder/error.h"
+
+namespace feder {
+namespace {
+
+constexpr int kMaxIterations = 20;
+constexpr double kTolerance = 1e-6;        // of the segments' length: a smaller correction is the last
+constexpr double kContactStiffness = 100;  // times mass/h^2 of the rope's point
+constexpr double kPushSpeed = 1;           // m/s, at which penetration from before is undone
+constexpr double kSlow = 0.7;              // of the last correction: after a larger one, less is taken
+constexpr double kLeastShare = 0.125;
+constexpr double kMostBending = 20;  // bound of the ratio of an angle to its sine
+
+Block3 scaled_identity(double a) { return {{a, 0, 0, 0, a, 0, 0, 0, a}}; }
+
+// a I + b u v^T
+Block3 rank_one(double a, double b, const Double3& u, const Double3& v) {
+  return {{a + b * u.x * v.x, b * u.x * v.y, b * u.x * v.z, b * u.y * v.x, a + b * u.y * v.y, b * u.y * v.z,
+           b * u.z * v.x, b * u.z * v.y, a + b * u.z * v.z}};
+}
+
+void add_to(Block3& to, double s, const Block3& a) {
+  for (int k = 0; k < 9; ++k) to.m[k] += s * a.m[k];
+}
+
+Double3 times(const Block3& a, const Double3& x) {
+  return {a.m[0] * x.x + a.m[1] * x.y + a.m[2] * x.z, a.m[3] * x.x + a.m[4] * x.y + a.m[5] * x.z,
+          a.m[6] * x.x + a.m[7] * x.y + a.m[8] * x.z};
+}
+
+Block3 times(const Block3& a, const Block3& b) {
+  Block3 c;
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      c.m[3 * i + j] = a.m[3 * i] * b.m[j] + a.m[3 * i + 1] * b.m[3 + j] + a.m[3 * i + 2] * b.m[6 + j];
+  return c;
+}
+
+void subtract_product(Block3& from, const Block3& a, const Block3& b) {
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      from.m[3 * i + j] -= a.m[3 * i] * b.m[j] + a.m[3 * i + 1] * b.m[3 + j] + a.m[3 * i + 2] * b.m[6 + j];
+}
+
+Block3 inverse_of(const Block3& a) {
+  const double* m = a.m;
+  const double c0 = m[4] * m[8] - m[5] * m[7], c1 = m[5] * m[6] - m[3] * m[8], c2 = m[3] * m[7] - m[4] * m[6];
+  const double d = 1 / (m[0] * c0 + m[1] * c1 + m[2] * c2);
+  return {{d * c0, d * (m[2] * m[7] - m[1] * m[8]), d * (m[1] * m[5] - m[2] * m[4]), d * c1,
+           d * (m[0] * m[8] - m[2] * m[6]), d * (m[2] * m[3] - m[0] * m[5]), d * c2, d * (m[1] * m[6] - m[0] * m[7]),
+           d * (m[0] * m[4] - m[1] * m[3])}};
+}
+
+Double3 direction_of(const Double3& e, double length) { return length > 0 ? (1 / length) * e : Double3{0, 1, 0}; }
+
+// A bend from direction a to b, both unit: what its energy k angle^2/2 pulls along b - a, per k.
+struct Bend {
+  Double3 change;  // b - a
+  double factor;   // angle/sin(angle)
+  double size;     // |b - a|
+};
+Bend bend_between(const Double3& a, const Double3& b) {
+  Bend k;
+  k.change = b - a;
+  k.size = length(k.change);
+  const double sine = length(cross(a, b)), cosine = dot(a, b);
+  const double angle = sine > 1e-6 || cosine < 0 ? arc_tangent2(sine, cosine) : sine;
+  k.factor = sine > 1e-6 ? std::fmin(angle / sine, kMostBending) : cosine < 0 ? kMostBending : 1;
+  return k;
+}
+
+}  // namespace
+
+void Chain::resize(std::uint32_t n) {
+  for (auto* list : {&start, &target, &guess, &end_, &residual_}) list->resize(n, Double3{0, 0, 0});
+  for (auto* list : {&diagonal_, &upper_, &upper2_, &lower_, &lower2_}) list->resize(n);
+}
+
+bool Chain::held(const ChainStep& s, std::uint32_t i) const { return !(s.mass[i] < double(kInfinity)); }
+
+void Chain::add_segments(const ChainStep& s) {
+  for (std::uint32_t i = 0; i + 1 < s.count; ++i) {
+    const Double3 e = end_[i + 1] - end_[i];
+    const double now = length(e), rest = s.rest_length[i], k = s.stretch / rest, rate = s.damping / s.h;
+    const Double3 t = direction_of(e, now);
+    const double force = k * (now - rest) + k * rate * (now - length(start[i + 1] - start[i]));
+    const double across = now > 0 ? std::fmax(force, 0) / now : 0;
+    const Block3 slope = rank_one(across, k * (1 + rate) - across, t, t);
+    residual_[i] = residual_[i] + force * t, residual_[i + 1] = residual_[i + 1] - force * t;
+    add_to(diagonal_[i], 1, slope), add_to(diagonal_[i + 1], 1, slope);
+    add_to(upper_[i], -1, slope), add_to(lower_[i + 1], -1, slope);
+  }
+}
+
+// The angle at a point: E I/l with l the mean length of the two segments. Of its second derivatives those of the angle
+// alone (Gauss-Newton).
+void Chain::add_hinge(const ChainStep& s, std::uint32_t middle) {
+  const Double3 e[2] = {end_[middle] - end_[middle - 1], end_[middle + 1] - end_[middle]};
+  const double l[2] = {length(e[0]), length(e[1])};
+  if (!(l[0] > 0 && l[1] > 0)) return;
+  const Double3 a = (1 / l[0]) * e[0], b = (1 / l[1]) * e[1];
+  const Bend now = bend_between(a, b);
+  const Double3 e0 = start[middle] - start[middle - 1], e1 = start[middle + 1] - start[middle];
+  const double before = length(direction_of(e1, length(e1)) - direction_of(e0, length(e0)));
+  const double rate = s.damping / s.h;
+  const double k = now.factor * 2 * s.bend / (double(s.rest_length[middle - 1]) + double(s.rest_length[middle]));
+  const double share = now.size > 0 ? 1 + rate * (now.size - before) / now.size : 1;
+  // derivatives of the change of direction by the three points
+  const Block3 pa = rank_one(1 / l[0], -1 / l[0], a, a), pb = rank_one(1 / l[1], -1 / l[1], b, b);
+  Block3 middle_block = pa;
+  add_to(middle_block, 1, pb);
+  for (double& x : middle_block.m) x = -x;
+  const Block3* by[3] = {&pa, &middle_block, &pb};
+  const Double3 pull = (-k * share) * now.change;
+  const double slope = k * (1 + rate);
+  const std::uint32_t first = middle - 1;
+  for (std::uint32_t i = 0; i < 3; ++i) residual_[first + i] = residual_[first + i] + times(*by[i], pull);
+  for (std::uint32_t i = 0; i < 3; ++i) add_to(diagonal_[first + i], slope, times(*by[i], *by[i]));
+  for (std::uint32_t i = 0; i < 2; ++i) {
+    add_to(upper_[first + i], slope, times(*by[i], *by[i + 1]));
+    add_to(lower_[first + i + 1], slope, times(*by[i + 1], *by[i]));
+  }
+  add_to(upper2_[first], slope, times(pa, pb));
+  add_to(lower2_[first + 2], slope, times(pb, pa));
+}
+
+// A clamped end: half a segment lies between the clamp and the middle of the first segment, so twice the stiffness.
+void Chain::add_clamp(const ChainStep& s, bool last) {
+  const std::uint32_t i = last ? s.count - 2 : 0;
+  const Double3 e = end_[i + 1] - end_[i];
+  const double l = length(e);
+  if (!(l > 0)) return;
+  const Double3 t = (1 / l) * e;
+  const Bend now = bend_between(s.direction[last], t);
+  const Double3 e0 = start[i + 1] - start[i];
+  const double before = length(direction_of(e0, length(e0)) - s.direction[last]), rate = s.damping / s.h;
+  const double k = now.factor * 2 * s.bend / double(s.rest_length[i]);
+  const double share = now.size > 0 ? 1 + rate * (now.size - before) / now.size : 1;
+  const Block3 p = rank_one(1 / l, -1 / l, t, t), square = times(p, p);
+  const Double3 pull = times(p, (-k * share) * now.change);
+  const double slope = k * (1 + rate);
+  residual_[i] = residual_[i] - pull, residual_[i + 1] = residual_[i + 1] + pull;
+  add_to(diagonal_[i], slope, square), add_to(diagonal_[i + 1], slope, square);
+  add_to(upper_[i], -slope, square), add_to(lower_[i + 1], -slope, square);
+}
+
+void Chain::add_hinges(const ChainStep& s) {
+  for (std::uint32_t i = 1; i + 1 < s.count; ++i) add_hinge(s, i);
+  if (s.clamped[0]) add_clamp(s, false);
+  if (s.clamped[1]) add_clamp(s, true);
+}
+
+// Force on the rope: along the normal that of the solver substep before less k times the gap, where that pushes, and
+// across that of before less k' times the slide, friction times the normal force at most. `finish`: writes it instead.
+void Chain::add_contact(const ChainStep& s, ChainContact& c, bool finish) {
+  const std::uint32_t i = c.first, j = c.weight[1] != 0 ? i + 1 : i;
+  FEDER_ASSERT(j < s.count);
+  Double3 moved{0, 0, 0};
+  double mass = double(kInfinity);
+  for (int k = 0; k < 2; ++k)
+    if (c.weight[k] != 0) {
+      const std::uint32_t at = i + static_cast<std::uint32_t>(k);
+      moved = moved + c.weight[k] * (end_[at] - start[at]);
+      mass = std::fmin(mass, s.mass[at]);
+    }
+  if (!(mass < double(kInfinity))) return;
+  const double soft = s.h * s.h / (kContactStiffness * mass);
+  const double k[2] = {1 / (soft + c.compliance[0]), 1 / (soft + c.compliance[1])};
+  const double along = dot(c.normal, moved);
+  const double gap = c.gap + along + std::fmax(-c.start_gap - kPushSpeed * s.h, 0.0);
+  c.pressed = 0;
+  const double before = dot(c.normal, c.force);
+  const double pressed = std::fmax(before, 0.0) - k[0] * gap;  // N
+  if (finish && !(pressed > 0)) c.force = {0, 0, 0};
+  if (!(pressed > 0)) return;
+  const Double3 relative = moved - c.shift;
+  const Double3 slide = relative - dot(c.normal, relative) * c.normal;
+  const Double3 wanted = c.force - before * c.normal - k[1] * slide;
+  const double holding = length(wanted), most = c.friction * pressed;
+  const bool slips = holding > most;
+  const Double3 rub = (slips ? most / holding : 1) * wanted, force = pressed * c.normal + rub;
+  if (finish) {
+    c.pressed = pressed, c.force = force;
+    return;
+  }
+  // slope: normal, and along the surface: of sticking k', of slipping friction k n^T along its force and the turn of it
+  const double turn = slips ? k[1] * most / holding : k[1];
+  Block3 slope = rank_one(turn, k[0] - turn, c.normal, c.normal);
+  if (slips) {
+    const Double3 d = (1 / holding) * wanted;
+    add_to(slope, 1, rank_one(0, -turn, d, d));
+    add_to(slope, 1, rank_one(0, c.friction * k[0], d, c.normal));
+  }
+  residual_[i] = residual_[i] + c.weight[0] * force;
+  add_to(diagonal_[i], c.weight[0] * c.weight[0], slope);
+  if (j == i) return;
+  residual_[j] = residual_[j] + c.weight[1] * force;
+  add_to(diagonal_[j], c.weight[1] * c.weight[1], slope);
+  add_to(upper_[i], c.weight[0] * c.weight[1], slope);
+  add_to(lower_[j], c.weight[0] * c.weight[1], slope);
+}
+
+// Block elimination along the chain; answers the largest correction, m. A larger one than `longest` is taken in part.
+double Chain::correct(const ChainStep& s, double longest) {
+  const std::uint32_t n = s.count;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const Block3 inverse = inverse_of(diagonal_[i]);
+    diagonal_[i] = inverse;
+    if (i + 1 < n) {
+      const Block3 f = times(lower_[i + 1], inverse);
+      subtract_product(diagonal_[i + 1], f, upper_[i]);
+      if (wide_) subtract_product(upper_[i + 1], f, upper2_[i]);
+      residual_[i + 1] = residual_[i + 1] - times(f, residual_[i]);
+    }
+    if (wide_ && i + 2 < n) {
+      const Block3 f = times(lower2_[i + 2], inverse);
+      subtract_product(lower_[i + 2], f, upper_[i]);
+      subtract_product(diagonal_[i + 2], f, upper2_[i]);
+      residual_[i + 2] = residual_[i + 2] - times(f, residual_[i]);
+    }
+  }
+  double most = 0;
+  for (std::uint32_t i = n; i-- > 0;) {
+    Double3 r = residual_[i];
+    if (i + 1 < n) r = r - times(upper_[i], residual_[i + 1]);
+    if (wide_ && i + 2 < n) r = r - times(upper2_[i], residual_[i + 2]);
+    residual_[i] = times(diagonal_[i], r);
+    const double far = dot(residual_[i], residual_[i]);
+    if (!(far <= most)) most = far;  // a NaN stays
+  }
+  most = std::sqrt(most);
+  // near a kink, where a contact starts to press or to slip, full corrections may go round in a circle
+  const bool slow = most > (1 - share_ * (1 - kSlow)) * last_;
+  if (slow) share_ = std::fmax(kSlow * share_, kLeastShare);
+  last_ = most;
+  const double share = most > longest ? longest / most : share_;
+  for (std::uint32_t i = 0; i < n; ++i) end_[i] = end_[i] + share * residual_[i];
+  return most;
+}
+
+const Array<Double3>& Chain::solve(const ChainStep& s, Array<ChainContact>& contacts) {
+  FEDER_ASSERT(s.count >= 2 && start.size() == s.count && s.h > 0);
+  wide_ = s.bend > 0;
+  double longest = 0;  // segment, m
+  for (std::uint32_t i = 0; i + 1 < s.count; ++i) longest = std::fmax(longest, double(s.rest_length[i]));
+  for (std::uint32_t i = 0; i < s.count; ++i) end_[i] = held(s, i) ? start[i] : guess[i];
+  last_ = double(kInfinity), share_ = 1;
+  for (iterations = 1;; ++iterations) {
+    // inertia, then forces
+    for (std::uint32_t i = 0; i < s.count; ++i) {
+      const double inertia = held(s, i) ? 0 : s.mass[i] / (s.h * s.h);
+      diagonal_[i] = scaled_identity(inertia);
+      upper_[i] = upper2_[i] = lower_[i] = lower2_[i] = scaled_identity(0);
+      residual_[i] = inertia * (target[i] - end_[i]);
+    }
+    add_segments(s);
+    if (wide_) add_hinges(s);
+    for (ChainContact& c : contacts) add_contact(s, c, false);
+    for (std::uint32_t i = 0; i < s.count; ++i) {
+      if (!held(s, i)) continue;
+      diagonal_[i] = scaled_identity(1);
+      upper_[i] = upper2_[i] = lower_[i] = lower2_[i] = scaled_identity(0);
+      residual_[i] = {0, 0, 0};
+    }
+    missed = correct(s, longest);
+    if (!(missed > kTolerance * longest) || iterations == kMaxIterations) break;
+  }
+  for (ChainContact& c : contacts) add_contact(s, c, true);
+  return end_;
+}
+
+}  // namespace feder
