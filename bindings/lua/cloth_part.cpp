@@ -57,6 +57,8 @@ const Method kClothMethods[] = {
     {"strain", method<cloth_strain>, "cloth:strain([k]) -> number",
      "elongation / rest length of an edge; the largest when k is left out"},
     {"stretch", method<&Cloth::max_strain>, "cloth:stretch() -> number", "largest edge strain now"},
+    {"tangles", method<&Cloth::tangles>, "cloth:tangles() -> integer",
+     "edges that pass through its own triangles now, counted by pairs"},
     {"positions", guard<list_vectors<Cloth, &Cloth::positions>>, "cloth:positions([buffer]) -> buffer", "as vertices"},
     {"vertices", guard<list_vectors<Cloth, &Cloth::positions>>, "cloth:vertices([buffer]) -> buffer",
      "x, y, z of all vertices; a new buffer when left out"},

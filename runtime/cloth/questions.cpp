@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "cloth/impl.h"
+#include "geom/crossings.h"
 
 namespace feder {
 
@@ -49,6 +50,21 @@ Momentum Cloth::momentum() const {
     }
   }
   return sum;
+}
+
+std::size_t Cloth::tangles(ObjectId id) const {
+  const Sheet& s = impl_->sheet(id);
+  Arena arena("tangles");
+  CrossingSearch search(arena);
+  Array<Crossing> found{&arena};
+  const std::span<const Vec3> points(impl_->vertices.position.data() + s.first, s.points);
+  const CrossingMesh mesh{points,
+                          {s.mesh.triangles.data(), s.mesh.triangles.size()},
+                          &s.mesh.edges[0].a,
+                          sizeof(ClothEdge) / sizeof(std::uint32_t),
+                          static_cast<std::uint32_t>(s.mesh.edges.size())};
+  search.find(mesh, bounds_of(points), found);
+  return found.size();
 }
 
 void Cloth::residuals(std::vector<Residual>& out) const {

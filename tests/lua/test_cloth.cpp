@@ -76,3 +76,13 @@ TEST_CASE("the warning of too few solver substeps names options that end it for 
   }
   CHECK(warnings(", max_substeps = 400") == "");
 }
+
+TEST_CASE("cloth:tangles counts crossings", "[lua][cloth]") {
+  CHECK(output_of(std::string(kSheet) + R"(
+    print(flag:tangles())
+    local x, y, z = flag:point(7)
+    flag:set_point(1, x + 0.1, y - 0.1, z + 0.03)
+    flag:set_point(5, x + 0.1, y + 0.1, z + 0.03)
+    print(flag:tangles() > 0)
+  )") == "0\ntrue\n");
+}

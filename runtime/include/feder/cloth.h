@@ -110,6 +110,9 @@ class Cloth final : public System {
   bool pinned(ObjectId cloth, std::size_t i) const;
   Real strain(ObjectId cloth, std::size_t k) const;  // of an edge
   Real max_strain(ObjectId cloth) const;             // the largest elongation / rest length of all edges
+  // Edges that pass through triangles of the same cloth with which they share no vertex, counted by pairs; touching
+  // does not count (geom/predicates.h).
+  std::size_t tangles(ObjectId cloth) const;
   void positions(ObjectId cloth, std::vector<Vec3>& out) const;
   void normals(ObjectId cloth, std::vector<Vec3>& out) const;           // by the angles at the vertex, unit
   void smooth_positions(ObjectId cloth, std::vector<Vec3>& out) const;  // for drawing only
