@@ -37,6 +37,11 @@ int cloth_triangles(lua_State* L) {
   return 1;
 }
 
+void cloth_set_pressure(const Sheet& s, lua_State* L) {
+  s.system.set_pressure(s.id,
+                        static_cast<Real>(check_number(L, 2, std::string(function_name(L)) + ".p", kNotNegative)));
+}
+
 bool cloth_awake(const Sheet& s) { return !s.system.asleep(s.id); }
 void cloth_wake(const Sheet& s) { s.system.wake(s.id); }
 
@@ -57,6 +62,10 @@ const Method kClothMethods[] = {
     {"strain", method<cloth_strain>, "cloth:strain([k]) -> number",
      "elongation / rest length of an edge; the largest when k is left out"},
     {"stretch", method<&Cloth::max_strain>, "cloth:stretch() -> number", "largest edge strain now"},
+    {"volume", method<&Cloth::volume>, "cloth:volume() -> number", "within a closed mesh, m3"},
+    {"pressure", method<&Cloth::pressure>, "cloth:pressure() -> number",
+     "of the gas in a closed mesh over that outside, Pa"},
+    {"set_pressure", method<cloth_set_pressure>, "cloth:set_pressure(p) -> self", "of the gas in a closed mesh, Pa"},
     {"positions", guard<list_vectors<Cloth, &Cloth::positions>>, "cloth:positions([buffer]) -> buffer", "as vertices"},
     {"vertices", guard<list_vectors<Cloth, &Cloth::positions>>, "cloth:vertices([buffer]) -> buffer",
      "x, y, z of all vertices; a new buffer when left out"},
