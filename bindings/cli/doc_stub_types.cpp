@@ -29,17 +29,14 @@ Types make_types_of_names() {
   add("feder.AnyObject", {"a", "b", "object"});
   add("feder.Shape", {"shape", "other_shape"});
   add("number[][]", {"points", "vertices", "triangles"});
-  add("number", {"x",           "y",       "z",         "w",        "dx",         "dy",
-                 "dz",          "nx",      "ny",        "nz",       "px",         "py",
-                 "pz",          "qx",      "qy",        "qz",       "qw",         "d",
-                 "e",           "s",       "max",       "angular",  "linear",     "dynamic",
-                 "static",      "radius",  "width",     "height",   "depth",      "degrees",
-                 "radians",     "seconds", "lo",        "hi",       "speed",      "max_force",
-                 "number",      "kinetic", "potential", "elastic",  "mean",       "largest",
-                 "ixx",         "iyy",     "izz",       "ixy",      "ixz",        "iyz",
-                 "stiffness",   "damping", "power",     "distance", "separation", "impulse",
-                 "rest_length", "within",  "tolerance", "limit",    "bound",      "break_strain",
-                 "during",      "wanted",  "from"});
+  add("number", {"x",       "y",         "z",       "w",        "dx",           "dy",         "dz",      "nx",
+                 "ny",      "nz",        "px",      "py",       "pz",           "qx",         "qy",      "qz",
+                 "qw",      "d",         "e",       "s",        "max",          "angular",    "linear",  "dynamic",
+                 "static",  "radius",    "width",   "height",   "depth",        "degrees",    "radians", "seconds",
+                 "lo",      "hi",        "speed",   "pressure", "max_force",    "number",     "kinetic", "potential",
+                 "elastic", "mean",      "largest", "ixx",      "iyy",          "izz",        "ixy",     "ixz",
+                 "iyz",     "stiffness", "damping", "power",    "distance",     "separation", "impulse", "rest_length",
+                 "within",  "tolerance", "limit",   "bound",    "break_strain", "during",     "wanted",  "from"});
   return all;
 }
 

@@ -133,6 +133,22 @@ void read_max_strain(Options& o, const OptionRow& row, ClothReading& desc) {
   lua_pop(L, 1);
 }
 
+constexpr Option<ClothReading> kPlastic[] = {
+    field<&ClothDesc::yield>("yield", "", kNotNegative),
+    field<&ClothDesc::flow>("flow", "1/s", kNotNegative),
+};
+
+// plastic = { yield =, flow = }
+void read_plastic(Options& o, const OptionRow&, ClothReading& desc) {
+  if (!o.push_any("plastic")) return;
+  if (lua_type(o.L(), -1) != LUA_TTABLE) o.wrong("plastic", "{ yield =, flow = }");
+  Options inner(o.L(), -1, o.path("plastic"));
+  for (const char* key : {"yield", "flow"})
+    if (!inner.has(key)) o.raise("plastic", std::string("expected { yield =, flow = }, got no ") + key);
+  inner.read(kPlastic, desc);
+  lua_pop(o.L(), 1);
+}
+
 void read_solver(Options& o, const OptionRow&, ClothReading& desc) {
   if (o.text("solver", desc.solver)) find_variant(cloth_solvers(), desc.solver, "cloth solver");
 }
@@ -156,6 +172,9 @@ constexpr Option<ClothReading> kCloth[] = {
     field<&ClothDesc::area_density>("area_density", "kg/m2", kPositive),
     field<&ClothDesc::stretch>("stretch", "N/m", kPositive),
     field<&ClothDesc::shear>("shear", "N/m", kNotNegative).unset(),
+    field<&ClothDesc::warp>("warp", "N/m", kPositive).unset(),
+    field<&ClothDesc::weft>("weft", "N/m", kPositive).unset(),
+    field<&ClothDesc::warp_axis>("warp_axis"),
     field<&ClothDesc::bend>("bend", "N m", kNotNegative),
     field<&ClothDesc::damping>("damping", "s", kNotNegative),
     field<&ClothDesc::thickness>("thickness", "m", kPositive),
@@ -164,6 +183,8 @@ constexpr Option<ClothReading> kCloth[] = {
     {{.name = "wind"}, "boolean or table", read_wind, nullptr, rows_of<kWind>},
     field<&ClothDesc::tear_strain>("tear_strain", "", kPositive),
     {{.name = "max_strain", .range = kPositive}, "number or false", read_max_strain},
+    {{.name = "plastic"}, "table", read_plastic, nullptr, rows_of<kPlastic>},
+    field<&ClothDesc::pressure>("pressure", "Pa", kNotNegative),
     field<&ClothDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     field<&ClothDesc::group>("group", "", kBits),
     field<&ClothDesc::mask>("mask", "", kBits),

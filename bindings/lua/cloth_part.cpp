@@ -37,6 +37,11 @@ int cloth_triangles(lua_State* L) {
   return 1;
 }
 
+void cloth_set_pressure(const Sheet& s, lua_State* L) {
+  s.system.set_pressure(
+      s.id, static_cast<Real>(check_number(L, 2, std::string(function_name(L)) + ".pressure", kNotNegative)));
+}
+
 bool cloth_awake(const Sheet& s) { return !s.system.asleep(s.id); }
 void cloth_wake(const Sheet& s) { s.system.wake(s.id); }
 
@@ -59,6 +64,11 @@ const Method kClothMethods[] = {
     {"stretch", method<&Cloth::max_strain>, "cloth:stretch() -> number", "largest edge strain now"},
     {"tangles", method<&Cloth::tangles>, "cloth:tangles() -> integer",
      "edges that pass through its own triangles now, counted by pairs"},
+    {"volume", method<&Cloth::volume>, "cloth:volume() -> number", "within a closed mesh, m3"},
+    {"pressure", method<&Cloth::pressure>, "cloth:pressure() -> number",
+     "of the gas in a closed mesh over that outside, Pa"},
+    {"set_pressure", method<cloth_set_pressure>, "cloth:set_pressure(pressure) -> self",
+     "of the gas in a closed mesh, Pa"},
     {"positions", guard<list_vectors<Cloth, &Cloth::positions>>, "cloth:positions([buffer]) -> buffer", "as vertices"},
     {"vertices", guard<list_vectors<Cloth, &Cloth::positions>>, "cloth:vertices([buffer]) -> buffer",
      "x, y, z of all vertices; a new buffer when left out"},

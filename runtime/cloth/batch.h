@@ -75,6 +75,7 @@ struct ClothPass {
 struct ClothKernels {
   void (*links)(const ClothPass&);
   void (*limited_links)(const ClothPass&);  // that stretch to p.stretched at most
+  void (*closed_links)(const ClothPass&);   // of a skin under pressure, in its first sweep
   void (*limit_links)(const ClothPass&);    // the same without their force
   void (*ties)(const ClothPass&);
   void (*hinges)(const ClothPass&);

@@ -93,8 +93,8 @@ void ClothBatches::build(const ClothView& v) {
   const std::uint32_t spare = v.total - 1;
   // batches of one kind, colour after colour, in the order of the elements
   const auto fill = [&](auto& batches, auto& colors, std::uint32_t count, const auto& elements, auto&& empty,
-                        auto&& put) {
-    batches.clear(), colors.clear();
+                        auto&& put, auto& lanes) {
+    batches.clear(), colors.clear(), lanes.clear();
     std::size_t placed = 0;
     for (std::uint32_t c = 0; c < count; ++c) {
       const auto first = static_cast<unsigned>(batches.size());
@@ -103,6 +103,10 @@ void ClothBatches::build(const ClothView& v) {
         if (color_[e] != c) continue;
         if (lane == kLanes) batches.push_back(empty), lane = 0;
         ++placed;
+        if (v.flows) {
+          lanes.resize(batches.size() * kLanes, kNone);
+          lanes[(batches.size() - 1) * kLanes + static_cast<std::size_t>(lane)] = static_cast<std::uint32_t>(e);
+        }
         put(batches.back(), lane++, elements[e]);
       }
       colors.push_back({first, static_cast<unsigned>(batches.size())});
@@ -115,9 +119,12 @@ void ClothBatches::build(const ClothView& v) {
   LinkBatch no_link{};
   for (int i = 0; i < kLanes; ++i) no_link.a[i] = no_link.b[i] = spare, no_link.compliance.v[i] = 1;
   std::uint32_t count = color(v.mesh->links, v.total, [](const ClothLink& l, auto&& f) { f(l.a), f(l.b); });
-  fill(links_, link_colors_, count, v.mesh->links, no_link, [&](LinkBatch& b, int i, const ClothLink& l) {
-    b.a[i] = l.a, b.b[i] = l.b, b.rest.v[i] = l.rest, b.compliance.v[i] = compliance(l.stiffness);
-  });
+  fill(
+      links_, link_colors_, count, v.mesh->links, no_link,
+      [&](LinkBatch& b, int i, const ClothLink& l) {
+        b.a[i] = l.a, b.b[i] = l.b, b.rest.v[i] = l.rest, b.compliance.v[i] = compliance(l.stiffness);
+      },
+      link_lane_);
 
   HingeBatch no_hinge{};
   for (int i = 0; i < kLanes; ++i) {
@@ -127,16 +134,35 @@ void ClothBatches::build(const ClothView& v) {
   count = color(v.mesh->hinges, v.total, [](const ClothHinge& h, auto&& f) {
     for (std::uint32_t k : h.v) f(k);
   });
-  fill(hinges_, hinge_colors_, count, v.mesh->hinges, no_hinge, [&](HingeBatch& b, int i, const ClothHinge& h) {
-    for (int k = 0; k < 4; ++k) b.v[k][i] = h.v[k];
-    sin_cos(h.angle, b.sine.v[i], b.cosine.v[i]);
-    b.compliance.v[i] = compliance(h.stiffness);
-  });
+  fill(
+      hinges_, hinge_colors_, count, v.mesh->hinges, no_hinge,
+      [&](HingeBatch& b, int i, const ClothHinge& h) {
+        for (int k = 0; k < 4; ++k) b.v[k][i] = h.v[k];
+        sin_cos(h.angle, b.sine.v[i], b.cosine.v[i]);
+        b.compliance.v[i] = compliance(h.stiffness);
+      },
+      hinge_lane_);
+  rests_ = v.rests;
   measure_hinges(v);
   if (quadratic_) quadratic_->build(v);
 }
 
+// Rest lengths and angles that have flowed.
+void ClothBatches::take_rests(const ClothView& v) {
+  if (rests_ == v.rests) return;
+  rests_ = v.rests;
+  FEDER_ASSERT(link_lane_.size() == links_.size() * kLanes && hinge_lane_.size() == hinges_.size() * kLanes);
+  for (std::size_t n = 0; n < link_lane_.size(); ++n)
+    if (link_lane_[n] != kNone) links_[n / kLanes].rest.v[n % kLanes] = v.mesh->links[link_lane_[n]].rest;
+  for (std::size_t n = 0; n < hinge_lane_.size(); ++n)
+    if (hinge_lane_[n] != kNone) {
+      HingeBatch& b = hinges_[n / kLanes];
+      sin_cos(v.mesh->hinges[hinge_lane_[n]].angle, b.sine.v[n % kLanes], b.cosine.v[n % kLanes]);
+    }
+}
+
 void ClothBatches::current_position(const ClothView& v) {
+  if (v.flows) take_rests(v);
   const auto put = [](Lane8x3& to, int i, const Vec3& d) { to.x.v[i] = d[0], to.y.v[i] = d[1], to.z.v[i] = d[2]; };
   for (LinkBatch& b : links_)
     for (int i = 0; i < kLanes; ++i) put(b.base, i, v.position[b.b[i]] - v.position[b.a[i]]);
@@ -191,7 +217,10 @@ void ClothBatches::solve(const ClothView& v, Real h, bool hinges, bool again, St
   ClothPass pass = this->pass(v, h);
   pass.inv_h2 = 1 / (h * h), pass.again = again;
   pass.stretched = 1 + v.max_strain;
-  run(v.max_strain < kInfinity ? kernels_->limited_links : kernels_->links, link_colors_, pass, c);
+  run(v.max_strain < kInfinity ? kernels_->limited_links
+      : v.inflated && !again   ? kernels_->closed_links
+                               : kernels_->links,
+      link_colors_, pass, c);
   if (hinges) run(kernels_->hinges, hinge_colors_, pass, c);
 }
 

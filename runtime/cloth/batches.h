@@ -70,6 +70,7 @@ class ClothBatches {
   void run(Kernel kernel, const Array<Color>& colors, ClothPass pass, StepContext& c);
   void measure_hinges(const ClothView& v);
   void prepare_stages(const ClothView& v);
+  void take_rests(const ClothView& v);
   static constexpr double kOneSweep = 0.05;
   // h tau w^2 of the fastest mode.
   double stability(const ClothView& v, Real h) const { return bending_ * double(v.damping) * double(h); }
@@ -79,7 +80,8 @@ class ClothBatches {
 
   Arena& arena_;
   const ClothKernels* kernels_ = &kClothKernelsPlain;
-  std::uint64_t version_ = ~std::uint64_t(0);
+  std::uint64_t version_ = ~std::uint64_t(0), rests_ = 0;
+  Array<std::uint32_t> link_lane_{&arena_}, hinge_lane_{&arena_};  // of cloth that flows: elements in lane order
   Array<LinkBatch> links_{&arena_};
   Array<HingeBatch> hinges_{&arena_};
   Array<Color> link_colors_{&arena_}, hinge_colors_{&arena_};

@@ -13,7 +13,7 @@ namespace feder {
 class QuadraticBending {
  public:
   explicit QuadraticBending(Arena& a) : blocks_(&a), entries_(&a) {}
-  // The matrix of this mesh; none where a hinge is bent at rest (`exists`).
+  // The matrix of this mesh; none where a hinge is bent at rest, or flows (`exists`).
   void build(const ClothView& v);
   bool exists() const { return exists_; }
   // Forces at the start of the step.

@@ -49,6 +49,13 @@ void check_numbers(const ClothDesc& d) {
   need(not_negative(d.drag), "drag", "a finite number, 0 or more", d.drag);
   need(not_negative(d.lift), "lift", "a finite number, 0 or more", d.lift);
   need(d.tear_strain > 0, "tear_strain", "a number above 0", d.tear_strain);
+  need(d.warp < 0 || positive(d.warp), "warp", "a number above 0", d.warp);
+  need(d.weft < 0 || positive(d.weft), "weft", "a number above 0", d.weft);
+  need(is_finite(d.warp_axis) && length(d.warp_axis) > Real(1e-6), "warp_axis", "a direction, longer than 0",
+       length(d.warp_axis));
+  need(not_negative(d.pressure), "pressure", "a finite number, 0 or more", d.pressure);
+  need(d.yield >= 0, "plastic.yield", "a number, 0 or more", d.yield);
+  need(not_negative(d.flow), "plastic.flow", "a finite number, 0 or more", d.flow);
   need(d.max_strain < 0 || d.max_strain > 0, "max_strain", "a number above 0, or false", d.max_strain);
   need(d.max_strain < 0 || !(d.max_strain < d.tear_strain && d.tear_strain < kInfinity), "max_strain",
        "at least tear_strain, or no edge would ever tear", d.max_strain);
@@ -63,7 +70,23 @@ constexpr Real kAimed = Real(0.7);  // share of max_strain that rows and ties ai
 
 Real max_strain_of(const ClothDesc& d) {
   if (d.max_strain > 0) return kAimed * d.max_strain;
-  return d.tear_strain < kInfinity ? kInfinity : kAimed * Cloth::kMaxStrain;
+  const bool flows = d.yield < kInfinity && d.flow > 0;
+  return flows || d.tear_strain < kInfinity ? kInfinity : kAimed * Cloth::kMaxStrain;
+}
+
+// Elements of a sheet, or threads of a mesh; SceneError where shear leaves nothing of the rows.
+ClothStiffness stiffness_of(const ClothDesc& d) {
+  ClothStiffness k{d.stretch, d.shear < 0 ? d.stretch / 10 : d.shear, d.bend, d.warp, d.weft};
+  if (!k.woven()) return k;
+  if (d.shear < 0) k.shear = std::min(k.along(), k.across()) / 10;
+  const Vec3 axis = normalized_or(d.warp_axis, Vec3(1, 0, 0));
+  for (int i = 0; i < 3; ++i) k.axis[i] = axis[i];
+  if (d.nx == 0) return k;
+  const double aspect = double(d.size[0]) / (d.nx - 1) / (double(d.size[1]) / (d.ny - 1));
+  const RowStiffness rows = row_stiffness(k, aspect);
+  need(rows.x >= 0 && rows.z >= 0, "shear", "less, for this warp, weft and shape of cells: threads cannot push",
+       double(k.shear));
+  return k;
 }
 
 // The vertices of a named side or corner; `clamped`: the name asks to hold the slope of its edges as well.
@@ -199,12 +222,15 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   std::vector<ClothGhost> ghosts;
   s->mesh.triangles.assign(triangles.begin(), triangles.end());
   s->mesh.grid = desc.nx;
-  const ClothStiffness stiffness{desc.stretch, desc.shear < 0 ? desc.stretch / 10 : desc.shear, desc.bend};
+  const ClothStiffness stiffness = stiffness_of(desc);
   const bool limit_free = desc.max_strain > 0;
-  s->settings = {stiffness,           desc.area_density, desc.damping,      desc.thickness,      desc.friction,
-                 desc.drag,           desc.lift,         desc.tear_strain,  max_strain_of(desc), desc.gravity_scale,
-                 desc.stretch_error,  desc.substeps,     desc.max_substeps, desc.group,          desc.mask,
-                 desc.self_collision, desc.wind,         limit_free};
+  s->settings = {stiffness,           desc.area_density,  desc.damping,
+                 desc.thickness,      desc.friction,      desc.drag,
+                 desc.lift,           desc.tear_strain,   max_strain_of(desc),
+                 desc.gravity_scale,  desc.stretch_error, desc.substeps,
+                 desc.max_substeps,   desc.group,         desc.mask,
+                 desc.self_collision, desc.wind,          limit_free,
+                 desc.pressure,       desc.yield,         desc.flow};
   make_elements(s->mesh, rest, s->settings.stiffness);
   // pins by name, with a ghost vertex for each end of a clamped border edge
   for (const std::string& name : desc.pin_names) {

@@ -60,6 +60,7 @@ void Cloth::Impl::add_forces(StepContext& c) {
     // decays slowly, so that gusts do not make the number of solver substeps jump
     s.state.pull = std::max(length(sum) / s.mass, Real(0.95) * s.state.pull);
     for (std::uint32_t i = s.points; i < s.total; ++i) acceleration[s.first + i] = Vec3::Zero();
+    if (s.settings.pressure != 0 || s.gas.pressure != 0) begin_pressure(s, c);
   }
 }
 

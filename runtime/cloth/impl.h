@@ -3,6 +3,7 @@
 #include <memory>
 #include <vector>
 
+#include "base/double3.h"
 #include "cloth/sheet.h"
 #include "feder/force.h"
 #include "forces/forces.h"
@@ -36,6 +37,7 @@ struct Cloth::Impl {
   Array<Vec3> force{&arena};                       // work memory of forces.cpp, N
   Array<Vec3> air{&arena};                         // likewise: of still air, N
   Array<MassPoint> points{&arena};
+  Array<Double3> gas_force{&arena};  // work memory of pressure.cpp, N
   struct Carried {
     std::uint32_t attachment;  // in the group
     Real mass;                 // share of the body's, kg
@@ -125,10 +127,24 @@ struct Cloth::Impl {
   void watch(StepContext& c);
   void suspect(const Sheet& s);
   void tear(StepContext& c);
-  bool tear_at(Sheet& s, std::uint32_t link, StepContext& c);
+  std::uint32_t tear_at(Sheet& s, std::uint32_t link, StepContext& c);
   std::uint32_t split_vertex(Sheet& s, std::uint32_t vertex, const std::vector<std::uint32_t>& triangles);
   void lump_mass(Sheet& s);
   void share_mass(Sheet& s);
+  // pressure.cpp
+  void check_pressure(Sheet& s, StepContext& c);
+  void measure_gas(Sheet& s);
+  double gas_substeps(const Sheet& s, Real h) const;
+  void begin_pressure(Sheet& s, StepContext& c);
+  void push_gas(Sheet& s, Real h);
+  void keep_momentum(Sheet& s, Real h);
+  // plastic.cpp
+  void flow(StepContext& c);
+  struct FlowBefore {
+    std::vector<ClothLink> links;
+    std::vector<ClothHinge> hinges;
+  };
+  void keep_flow(Sheet& s, const FlowBefore& old, std::uint32_t old_points, std::uint32_t split);
   // validate.cpp
   void validate_sheet(std::uint32_t n) const;
   void validate_mesh(const Sheet& s) const;

@@ -59,6 +59,10 @@ class ImplicitCloth final : public ClothSolver {
 
   void prepare(const ClothView& v, StepContext&) override {
     build(v);
+    if (v.flows) {
+      for (std::size_t k = 0; k < links_.size(); ++k) links_[k].rest = double(v.mesh->links[k].rest);
+      for (std::size_t k = 0; k < hinges_.size(); ++k) hinges_[k].rest = double(v.mesh->hinges[k].angle);
+    }
     missed_ = 0;
     for (Link& l : links_) l.base = wide(v.position[l.b] - v.position[l.a]);
     for (Hinge& k : hinges_)

@@ -83,14 +83,21 @@ typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
 
 // XPBD rows of links. With a strain limit the row has no compliance where that pulls more: C = |e| - rest stretched <=
 // 0.
-template <bool kLimited>
+// In a closed skin under pressure the moves of a row are undone by its neighbours', half of them after it: its length
+// at the end is what a link with half of the inverse masses more compliance has. kClosed takes that off, down to none.
+template <bool kLimited, bool kClosed = false>
 void solve_links(const ClothPass& p) {
   const Lanes inv_h2 = all_lanes(p.inv_h2);
   for (unsigned i = p.first; i < p.last; ++i) {
     LinkBatch& c = p.links[i];
     Rows8 a = gather(p.delta_position, c.a), b = gather(p.delta_position, c.b);
     const Lanes3 e = load(c.base) + (b.v - a.v);
-    const Lanes size = square_root(dot(e, e)), alpha = load(c.compliance) * inv_h2;
+    const Lanes size = square_root(dot(e, e));
+    Lanes alpha = load(c.compliance) * inv_h2;
+    if (kClosed) {
+      const LaneMask both = (a.w > zero_lanes()) & (b.w > zero_lanes());
+      alpha = max(alpha - select(both, all_lanes(0.5f) * (a.w + b.w), zero_lanes()), zero_lanes());
+    }
     const Lanes old = p.again ? load(c.multiplier) : zero_lanes();
     Lanes pull = load(c.rest) - size - alpha * old, weight = a.w + b.w + alpha;
     if (kLimited) {
@@ -327,8 +334,9 @@ void damp_stage(const ClothPass& p) {
   }
 }
 
-constexpr ClothKernels kKernels = {solve_links<false>, solve_links<true>, limit_links, solve_ties,
-                                   solve_hinges,       bend_hinges,       bend_flat,   damp_links,
+constexpr ClothKernels kKernels = {solve_links<false>, solve_links<true>, solve_links<false, true>,
+                                   limit_links,        solve_ties,        solve_hinges,
+                                   bend_hinges,        bend_flat,         damp_links,
                                    damp_hinges,        damp_begin,        damp_stage};
 
 }  // namespace

@@ -85,6 +85,8 @@ class MassSpring final : public ClothSolver, private ForceField {
 
   void prepare(const ClothView& v, StepContext&) override {
     bool same = !build(v);
+    if (v.flows)
+      for (std::size_t k = 0; k < v.mesh->links.size(); ++k) springs_[k].rest = v.mesh->links[k].rest;
     batches_.build(v);
     batches_.current_position(v);
     same = same && inv_mass_.size() == v.points;

@@ -253,6 +253,17 @@ static void make_hinges(ClothMesh& m, std::span<const Vec3> rest, Real bend) {
   add_row_hinges(m, rest, rows);
 }
 
+// Width over depth of the cells of a sheet.
+static double cell_aspect(const ClothMesh& m, std::span<const Vec3> rest) {
+  double width = 0, depth = 0;
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const Vec3 d = rest[m.triangles[(k + 1) % 3]] - rest[m.triangles[k]];
+    width = std::fmax(width, std::fabs(double(d[0]))), depth = std::fmax(depth, std::fabs(double(d[2])));
+  }
+  FEDER_ASSERT(width > 0 && depth > 0);
+  return width / depth;
+}
+
 void make_elements(ClothMesh& m, std::span<const Vec3> rest, const ClothStiffness& k) {
   const std::vector<Side> sides = sides_of(m.triangles);
   m.edges.clear(), m.links.clear();
@@ -268,12 +279,19 @@ void make_elements(ClothMesh& m, std::span<const Vec3> rest, const ClothStiffnes
 
   // rows of a sheet give up what its diagonals add: Young's modulus of the whole is `stretch` (square cells)
   const Real whole = Real(0.5) * (k.stretch + std::sqrt(k.stretch * k.stretch + 4 * k.shear * k.shear));
-  const Real rows = m.grid ? whole - k.shear : k.stretch;
+  const Real plain = m.grid ? whole - k.shear : k.stretch;
+  RowStiffness woven{};
+  if (m.grid && k.woven()) woven = row_stiffness(k, cell_aspect(m, rest));
   for (const ClothEdge& e : m.edges) {
     Real area = area_of(rest, &m.triangles[3 * e.triangle[0]]);
     if (e.triangle[1] != kNone) area += area_of(rest, &m.triangles[3 * e.triangle[1]]);
     const Real size = length(rest[e.b] - rest[e.a]);
     const bool diagonal = m.grid && e.triangle[1] != kNone && e.triangle[0] / 2 == e.triangle[1] / 2;
+    Real rows = plain;
+    if (k.woven() && !diagonal) {
+      const Vec3 d = rest[e.b] - rest[e.a];
+      rows = !m.grid ? thread_stiffness(k, d) : std::fabs(d[0]) > std::fabs(d[2]) ? woven.x : woven.z;
+    }
     const Real stiffness = diagonal ? k.shear * size * size / (2 * area) : rows * area / (size * size);
     m.links.push_back({e.a, e.b, size, stiffness, diagonal});
   }

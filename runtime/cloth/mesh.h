@@ -68,7 +68,21 @@ struct Incidence {
 struct ClothStiffness {
   Real stretch, shear;  // N/m
   Real bend;            // N m
+  // N/m, along the warp and across it; < 0: stretch. The axis is a unit vector in the rest shape of a mesh.
+  Real warp = -1, weft = -1;
+  Real axis[3] = {1, 0, 0};
+  bool woven() const { return warp >= 0 || weft >= 0; }
+  Real along() const { return warp >= 0 ? warp : stretch; }
+  Real across() const { return weft >= 0 ? weft : stretch; }
 };
+
+// Stiffness of the rows of a sheet along x and along z whose cells have this aspect (x over z), N/m; fabric.cpp.
+struct RowStiffness {
+  Real x, z;
+};
+RowStiffness row_stiffness(const ClothStiffness& k, double aspect);
+// Of the threads in the direction of an edge of a mesh, N/m.
+Real thread_stiffness(const ClothStiffness& k, const Vec3& edge);
 
 // A sheet in its xz plane: vertices row by row, and triangles whose diagonals alternate.
 void make_sheet(const Real size[2], std::uint32_t nx, std::uint32_t ny, std::vector<Vec3>& vertices,

@@ -27,6 +27,8 @@ Energy Cloth::energy(const Vec3& gravity) const {
       bend = std::remainder(bend, 6.283185307179586);
       e.elastic += 0.5 * static_cast<double>(h.stiffness) * bend * bend;
     }
+    if (s->settings.pressure != 0 && s->gas.closed)
+      e.potential -= static_cast<double>(s->settings.pressure) * volume(s->object);
     impl_->each_force(*s, [&](const ForceEntry& f) {
       for (std::uint32_t i = s->first; i < s->first + s->points; ++i) {
         const MassPoint point = impl_->mass_point(*s, i);

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "base/double3.h"
 #include "cloth/solver.h"
 #include "feder/cloth.h"
 
@@ -24,6 +25,10 @@ struct ClothSettings {
   std::uint32_t group = 1, mask = 0xffffffffu;
   std::uint32_t self_collision = 1, wind = 1;
   std::uint32_t limit_free = 0;  // max_strain was set: it also applies to cloth that nothing holds
+  Real pressure = 0;             // Pa
+  Real yield = kInfinity;        // strain
+  Real flow = 0;                 // 1/s
+  bool flows() const { return yield < kInfinity && flow > 0; }
 };
 
 // What changes from step to step; saved too.
@@ -39,6 +44,8 @@ struct ClothState {
   std::uint32_t warned = 0;            // 1: the cap of solver substeps was reported
   std::uint32_t warned_damping = 0;    // 1: so was a damping time that is too long
   std::uint32_t warned_shortfall = 0;  // 1: so was a solver that did not reach its tolerance
+  std::uint32_t warned_lost = 0;       // 1: so was pressure that leaves through holes
+  std::uint32_t warned_pressure = 0;   // 1: so was pressure beyond what the solver substep carries
   Real load = 0;                       // kg, that rests on it
   Real pull = 0;                       // m/s^2: mean acceleration by gravity, wind and scripts in the last step
 };
@@ -61,8 +68,21 @@ struct ClothTies {
   Array<std::uint32_t> pins;  // a sample of pins that lie far from each other
 };
 
+// Gas in a closed mesh, see pressure.cpp; follows from mesh and positions.
+struct ClothGas {
+  explicit ClothGas(Arena& a) : outer(&a) {}
+  std::uint64_t version = 0;  // of the mesh that `closed` and `outward` are of
+  bool closed = false;
+  double outward = 1;                // -1: normals of its triangles point inwards
+  double rest_volume = 0, skin = 0;  // m^3; Pa, the most that its skin carries
+  double rate = 0;                   // 1/(s^2 Pa): bound of w^2 of the pressure's stiffness, per pressure
+  double pressure = 0;               // Pa, that acts in this substep, along the normals of the triangles
+  Double3 momentum{0, 0, 0};         // kg m/s, of a free cloth after the solver substep, as forces have it
+  Array<Vec3> outer;                 // by vertex: acceleration by everything else, m/s^2
+};
+
 struct Sheet {
-  Sheet(Arena& a) : mesh(a), ties(a) {}
+  Sheet(Arena& a) : mesh(a), ties(a), gas(a) {}
 
   ObjectId object;
   std::uint32_t first = 0, points = 0, total = 0;  // run in ClothVertices: visible, with hidden ones
@@ -77,6 +97,8 @@ struct Sheet {
   Real rows = 1, path = 1;    // links from the pins (or the middle) to the farthest vertex, and their length, m
   Real impact = 0, approach_speed = 0;  // m/s^2 and m/s, of this step, by approaching bodies
   ClothTies ties;
+  ClothGas gas;
+  std::uint64_t rests = 1;   // changes with rest lengths and angles
   double bend_substeps = 1;  // ClothSolver::wanted_substeps, as last asked
   Real bend_step = -1;       // s, substep of that answer
   std::uint32_t bad_vertex = kNone;

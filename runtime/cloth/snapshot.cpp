@@ -32,6 +32,10 @@ void Cloth::hash(Hash& h) const {
     h.add(s->flight()), h.add(s->state.load), h.add(s->state.substeps);
     h.bytes(s->solver_name.data(), s->solver_name.size());
     for (const std::uint32_t v : s->mesh.triangles) h.add(v);
+    if (s->settings.pressure != 0) h.add(s->settings.pressure);
+    if (!s->settings.flows()) continue;
+    for (const ClothLink& l : s->mesh.links) h.add(l.rest);
+    for (const ClothHinge& k : s->mesh.hinges) h.add(k.angle);
   }
   for (const Attachment& a : impl_->attachments) h.add(a.vertex), h.add(a.body.slot), h.add(a.local);
 }

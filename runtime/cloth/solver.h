@@ -22,6 +22,9 @@ struct ClothView {
   std::uint32_t points = 0;                   // visible
   std::uint32_t total = 0;                    // with hidden ones; the last is the spare that empty lanes may point to
   std::uint64_t version = 0;                  // changes with the mesh
+  std::uint64_t rests = 0;                    // changes with rest lengths and angles too, where `flows`
+  bool flows = false;                         // plastic
+  bool inflated = false;                      // a closed mesh under pressure
   Real damping = 0;                           // s
   Real max_strain = kInfinity;                // of links
   std::span<TieBatch> ties;                   // to fixed anchors

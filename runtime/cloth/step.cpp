@@ -49,6 +49,8 @@ ClothView Cloth::Impl::view(Sheet& s) {
   v.mesh = &s.mesh;
   v.points = s.points, v.total = s.total;
   v.version = s.version;
+  v.rests = s.rests, v.flows = s.settings.flows();
+  v.inflated = s.settings.pressure != 0 && s.gas.closed;
   v.damping = s.settings.damping;
   v.max_strain = s.limited() ? s.settings.max_strain : kInfinity;
   v.ties = s.ties.batches, v.tie_layers = s.ties.layers;
@@ -140,6 +142,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
         const double n = s.rows, h = c.h;
         wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / (stretch_error(s) * double(s.path))));
       }
+      if (s.settings.pressure != 0) wanted = std::fmax(wanted, gas_substeps(s, c.h));
       // the cap of the settings, with a warning
       const double cap = std::fmax(s.settings.max_substeps, s.solver->least_cap());
       if (wanted > cap && !s.state.warned) {
@@ -211,6 +214,7 @@ void Cloth::Impl::prepare(StepContext& c) {
   gravity = c.gravity, gravity_known = true;
   for (auto& s : sheets) {
     any_active = any_active || s->active();
+    if (s->settings.pressure != 0 && s->active()) check_pressure(*s, c);
     s->bad_vertex = kNone;
     s->prepared = false, s->gusty = true;
     if (s->kinetic < 0) s->kinetic = kinetic_energy(*s);
@@ -334,7 +338,10 @@ void Cloth::Impl::advance(StepContext& c) {
     v.crowded = g.crowded;
     const bool carries = s.solver->converges() && !g.attachments.empty();
     if (carries) carry_bodies(s, g, v);
+    const bool inflated = s.gas.pressure != 0;
+    if (inflated) push_gas(s, g.step);
     s.solver->advance(v, start + c.inner.index * static_cast<double>(g.step), g.step, c);
+    if (inflated && !s.any_pin && before[s.first].w == 0) keep_momentum(s, g.step);
     if (carries) hand_over(g);
     if (!s.any_pin && before[s.first].w == 0) measure_gained_momentum(s, g.step);
   });
@@ -404,6 +411,7 @@ void Cloth::Impl::commit(StepContext& c) {
     }
     watch(c);
     quarantine(c);
+    flow(c);
     tear(c);
   }
   update_sleep(c);

@@ -37,7 +37,8 @@ std::uint32_t Cloth::Impl::split_vertex(Sheet& s, std::uint32_t vertex, const st
   return added;
 }
 
-bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
+// The vertex that was split, or kNone.
+std::uint32_t Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
   FEDER_ASSERT(link < s.mesh.edges.size());  // links along edges come first
   const ClothLink l = s.mesh.links[link];
   const Vec3* x = vertices.position.data() + s.first;
@@ -88,9 +89,9 @@ bool Cloth::Impl::tear_at(Sheet& s, std::uint32_t link, StepContext& c) {
         if (fan[i] == f) list.push_back(round[i]);
       split_vertex(s, v, list);
     }
-    return true;
+    return v;
   }
-  return false;
+  return kNone;
 }
 
 // Lumps masses anew. Mass that a vertex loses, and its momentum, go to the vertices that gain.
@@ -132,14 +133,21 @@ void Cloth::Impl::tear(StepContext& c) {
       std::sort(worst.begin(), worst.end(), [](const auto& a, const auto& b) {
         return a.first != b.first ? a.first > b.first : a.second < b.second;
       });
-      bool split = false;
-      for (std::size_t k = 0; k < worst.size() && !split; ++k) split = tear_at(s, worst[k].second, c);
-      if (!split) break;
+      FlowBefore before_tear;
+      if (s.settings.flows()) {
+        before_tear.links.assign(s.mesh.links.begin(), s.mesh.links.end());
+        before_tear.hinges.assign(s.mesh.hinges.begin(), s.mesh.hinges.end());
+      }
+      const std::uint32_t points_before = s.points;
+      std::uint32_t split = kNone;
+      for (std::size_t k = 0; k < worst.size() && split == kNone; ++k) split = tear_at(s, worst[k].second, c);
+      if (split == kNone) break;
       torn = true;
       ++s.version;
       s.paths_stale = true;
       std::vector<Vec3> rest(vertices.rest.begin() + s.first, vertices.rest.begin() + s.first + s.total);
       make_elements(s.mesh, rest, s.settings.stiffness);
+      if (s.settings.flows()) keep_flow(s, before_tear, points_before, split);
       share_mass(s);
     }
   }

@@ -62,7 +62,7 @@ Elements walk_colors(const Batches& batches, const Colors& colors, std::uint32_t
 }  // namespace
 
 void ClothBatches::validate(const ClothView& v) const {
-  if (version_ != v.version) return;  // torn in this step: built anew in the next
+  if (version_ != v.version || rests_ != v.rests) return;  // torn or flowed in this step: built anew in the next
   const std::uint32_t spare = v.total - 1;
   FEDER_ASSERT(used_.size() == v.total);
   const Elements links = walk_colors<2>(
@@ -179,6 +179,7 @@ void Cloth::Impl::validate_sheet(std::uint32_t n) const {
   v.mesh = &s.mesh;
   v.points = s.points, v.total = s.total;
   v.version = s.version;
+  v.rests = s.rests, v.flows = s.settings.flows();
   s.solver->validate(v);
 }
 

@@ -36,8 +36,8 @@ class Vbd final : public ClothSolver {
  public:
   Vbd(Arena& a, const Params& p)
       : iterations_(p.integer({"iterations", "", {1, 10'000}}, 5)),
-        relaxation_(p.real({"relaxation", "", {0, 2, true}}, 1)), batches_(a), descent_(&a), links_(&a), entries_(&a),
-        bends_(&a), colors_(&a), force_(&a), kicked_(&a), angle_(&a) {
+        relaxation_(p.real({"relaxation", "", {0, 2, true}}, 1)), batches_(a), link_lane_(&a), descent_(&a), links_(&a),
+        entries_(&a), bends_(&a), colors_(&a), force_(&a), kicked_(&a), angle_(&a) {
     const bool wide = wide_kernels(p);
     batches_.pick(wide);
 #if defined(__x86_64__) || defined(__i386__)
@@ -49,6 +49,7 @@ class Vbd final : public ClothSolver {
     batches_.build(v);
     batches_.current_position(v);
     build(v);
+    if (v.flows) take_rests(v);
     afloat_ = true;
     for (std::uint32_t i = 0; i < v.points; ++i) afloat_ = afloat_ && v.delta_position[i].w != 0;
     for (DescentBend& b : bends_)
@@ -210,15 +211,27 @@ class Vbd final : public ClothSolver {
 
   void build(const ClothView& v);
 
+  // Rest lengths and angles that have flowed.
+  void take_rests(const ClothView& v) {
+    if (rests_ == v.rests) return;
+    rests_ = v.rests;
+    FEDER_ASSERT(link_lane_.size() == links_.size() * kLanes);
+    for (std::size_t n = 0; n < link_lane_.size(); ++n)
+      if (link_lane_[n] != kNone) links_[n / kLanes].rest.v[n % kLanes] = v.mesh->links[link_lane_[n]].rest;
+    for (std::size_t k = 0; k < v.mesh->hinges.size(); ++k)
+      sin_cos(v.mesh->hinges[k].angle, bends_[k / kLanes].sine.v[k % kLanes], bends_[k / kLanes].cosine.v[k % kLanes]);
+  }
+
   int iterations_;
   Real relaxation_;
   const DescentKernels* kernels_ = &kDescentPlain;
   ClothBatches batches_;  // soft hinges, strain limit, ties, damping
-  std::uint64_t version_ = ~std::uint64_t(0);
-  Array<DescentBatch> descent_;  // by colour
-  Array<DescentLink> links_;     // by batch
-  Array<DescentHinge> entries_;  // by batch
-  Array<DescentBend> bends_;     // hinges in the order of the mesh
+  std::uint64_t version_ = ~std::uint64_t(0), rests_ = 0;
+  Array<std::uint32_t> link_lane_;  // of cloth that flows: links of the mesh in the order of links_
+  Array<DescentBatch> descent_;     // by colour
+  Array<DescentLink> links_;        // by batch
+  Array<DescentHinge> entries_;     // by batch
+  Array<DescentBend> bends_;        // hinges in the order of the mesh
   Array<Range> colors_;
   Array<Row4> force_, kicked_;  // by vertex: N; m/s
   Array<Real> angle_;           // by hinge, then those of lanes without one
@@ -263,7 +276,8 @@ void Vbd::build(const ClothView& v) {
   }
   // batches, colour after colour
   std::vector<std::uint32_t> slots(std::size_t(4) * hinge_count, kNone);  // of gradients
-  descent_.clear(), links_.clear(), entries_.clear(), colors_.clear();
+  rests_ = v.rests;
+  link_lane_.clear(), descent_.clear(), links_.clear(), entries_.clear(), colors_.clear();
   std::vector<std::uint32_t> members;
   for (std::uint32_t n = 0; n < count; ++n) {
     members.clear();
@@ -291,6 +305,9 @@ void Vbd::build(const ClothView& v) {
           const ClothLink& from = mesh.links[link_at.of(i)[k]];
           l.other[lane] = from.a == i ? from.b : from.a;
           l.rest.v[lane] = from.rest, l.stiffness.v[lane] = from.stiffness;
+          if (!v.flows) continue;
+          link_lane_.resize((links_.size() + 1) * kLanes, kNone);
+          link_lane_[links_.size() * kLanes + lane] = link_at.of(i)[k];
         }
         links_.push_back(l);
       }

@@ -19,7 +19,9 @@
 namespace feder {
 namespace {
 
-constexpr double kBendShare = 0.1;       // h^2 k sum w |gradient|^2 that is wanted for the stiffest hinge
+constexpr double kBendShare = 0.1;  // h^2 k sum w |gradient|^2 that is wanted for the stiffest hinge
+constexpr double kSkinShare =
+    1.4;  // h^2 sum k/m of a vertex of a skin under pressure: what kernel.h takes off is there
 constexpr double kSoftHinge = 0.12;      // largest value of it at which hinges push as forces
 constexpr int kTogether = 9;             // solver substeps that one push of soft hinges may stand for, odd
 constexpr JobGrain kGrain{1024, 4'000};  // vertices per job
@@ -67,7 +69,8 @@ class Xpbd final : public ClothSolver {
 
   // Bending waves have to be resolved, whatever the load: hinges that are swept are too soft.
   double wanted_substeps(const ClothView& v, Real h) const override {
-    return std::sqrt(stiffest_hinge(v) / kBendShare) * static_cast<double>(h);
+    const double skin = v.inflated ? stiffest_link(v) / kSkinShare : 0;
+    return std::sqrt(std::fmax(stiffest_hinge(v) / kBendShare, skin)) * static_cast<double>(h);
   }
 
  private:

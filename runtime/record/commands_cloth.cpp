@@ -9,6 +9,7 @@ CommandRows record_cloth() {
   return {command_row<&Cloth::add_cloth>("cloth.add_cloth"),
           command_row<&Cloth::destroy_cloth>("cloth.destroy_cloth", kClothKind),
           command_row<&Cloth::set_point>("cloth.set_point", kClothKind),
+          command_row<&Cloth::set_pressure>("cloth.set_pressure", kClothKind),
           command_row<&Cloth::set_velocity>("cloth.set_velocity", kClothKind),
           command_row<&Cloth::apply_impulse>("cloth.apply_impulse", kClothKind),
           command_row<&Cloth::pin>("cloth.pin", kClothKind),

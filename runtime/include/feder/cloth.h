@@ -33,17 +33,21 @@ struct ClothDesc {
   Vec3 velocity = Vec3::Zero();   // m/s
   Real area_density = Real(0.2);  // kg/m^2
   Real stretch = 2000;            // N/m
-  Real shear = -1;                // N/m; < 0: a tenth of stretch (sheets only)
-  Real bend = Real(1e-4);         // N m
-  Real damping = Real(0.002);     // s: stress of strain rate over stiffness; never acts on rigid motion
-  Real thickness = Real(0.01);    // m, between two layers; half of it to bodies
+  Real shear = -1;                // N/m; < 0: a tenth of the least of stretch, warp and weft (sheets only)
+  // Stretch stiffness along the warp threads and across them, N/m; < 0: stretch. Warp runs along x of a sheet, and of a
+  // mesh along warp_axis (local, any length above 0).
+  Real warp = -1, weft = -1;
+  Vec3 warp_axis = Vec3(1, 0, 0);
+  Real bend = Real(1e-4);       // N m
+  Real damping = Real(0.002);   // s: stress of strain rate over stiffness; never acts on rigid motion
+  Real thickness = Real(0.01);  // m, between two layers; half of it to bodies
   Real friction = Real(0.4);
   bool self_collision = true;
   bool wind = true;              // forces that act on areas (wind) act on it
   Real drag = 1, lift = 1;       // shares of the pressure along the flow and across it
   Real tear_strain = kInfinity;  // an edge stretched more than this breaks
   // Strain limit of edges; kInfinity: none. < 0: kMaxStrain where the cloth has pins or attachments, and none for cloth
-  // that tears.
+  // that tears or flows.
   Real max_strain = -1;
   Real gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;
@@ -59,6 +63,10 @@ struct ClothDesc {
   // when the slope is clamped too (sheets only); and vertex indices from 0.
   std::vector<std::string> pin_names;
   std::vector<std::uint32_t> pins;
+  Real pressure = 0;  // Pa: of the gas in a closed mesh over that outside, whatever its volume
+  // Plastic flow: strain beyond `yield` goes over into the rest lengths at the rate `flow`, 1/s; likewise that of
+  // bending at the faces of the cloth, thickness/2 times curvature, into the rest angles. kInfinity: elastic.
+  Real yield = kInfinity, flow = 0;
 
   // Calls f(field) for all of them, in this order.
   template <class D, class F>
@@ -67,7 +75,7 @@ struct ClothDesc {
     f(d.area_density), f(d.stretch), f(d.shear), f(d.bend), f(d.damping), f(d.thickness), f(d.friction);
     f(d.self_collision), f(d.wind), f(d.drag), f(d.lift), f(d.tear_strain), f(d.max_strain), f(d.gravity_scale);
     f(d.group), f(d.mask), f(d.substeps), f(d.stretch_error), f(d.max_substeps), f(d.solver), f(d.solver_options);
-    f(d.pin_names), f(d.pins);
+    f(d.pin_names), f(d.pins), f(d.warp), f(d.weft), f(d.warp_axis), f(d.pressure), f(d.yield), f(d.flow);
   }
 };
 
@@ -113,6 +121,11 @@ class Cloth final : public System {
   // Edges that pass through triangles of the same cloth with which they share no vertex, counted by pairs; touching
   // does not count (geom/predicates.h).
   std::size_t tangles(ObjectId cloth) const;
+  // m^3, within a closed mesh, whichever way its triangles are wound; holes of an open one count as closed by cones to
+  // the mean of the vertices.
+  double volume(ObjectId cloth) const;
+  Real pressure(ObjectId cloth) const;  // Pa, as set
+  void set_pressure(ObjectId cloth, Real pressure);
   void positions(ObjectId cloth, std::vector<Vec3>& out) const;
   void normals(ObjectId cloth, std::vector<Vec3>& out) const;           // by the angles at the vertex, unit
   void smooth_positions(ObjectId cloth, std::vector<Vec3>& out) const;  // for drawing only
