@@ -94,7 +94,8 @@ void Cloth::Impl::measure_paths(Sheet& s) {
       if (const ClothLink& l = s.mesh.links[k]; !l.shear) f(l.a, k), f(l.b, k);
   });
   // the queue is in the order of rows_to
-  s.rows = 1, s.path = s.mesh.links[0].rest;
+  const auto size = [&](const ClothLink& l) { return length(rest[l.b] - rest[l.a]); };  // before any flow
+  s.rows = 1, s.path = size(s.mesh.links[0]);
   for (std::size_t q = 0; q < queue.size(); ++q) {
     const std::uint32_t i = queue[q];
     if (static_cast<Real>(rows_to[i]) > s.rows) s.rows = static_cast<Real>(rows_to[i]), s.path = path_to[i];
@@ -102,7 +103,7 @@ void Cloth::Impl::measure_paths(Sheet& s) {
       const ClothLink& l = s.mesh.links[k];
       const std::uint32_t j = l.a == i ? l.b : l.a;
       if (rows_to[j] != kFar) continue;
-      rows_to[j] = rows_to[i] + 1, path_to[j] = path_to[i] + l.rest;
+      rows_to[j] = rows_to[i] + 1, path_to[j] = path_to[i] + size(l);
       queue.push_back(j);
     }
   }
