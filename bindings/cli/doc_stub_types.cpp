@@ -100,6 +100,7 @@ const std::string* stub_type_of_argument(const std::string& title, const std::st
   static const Types all = {
       {"body:set_sensor(on)", "boolean|\"all\""},
       {"body:set_type(name)", "\"dynamic\"|\"static\"|\"kinematic\""},
+      {"cloth:attach(body)", "feder.AnyObject"},
       {"cloth:attach(i)", "integer|string"},
       {"feder.hull(points)", "number[][]|feder.Buffer"},
       {"feder.mesh(triangles)", "integer[][]"},
@@ -107,6 +108,8 @@ const std::string* stub_type_of_argument(const std::string& title, const std::st
       {"feder.plot(value)", "number"},
       {"feder.wait_until(fn)", "fun(): any"},
       {"fluid:set_velocities(fn)", "fun(x: number, y: number, z: number, i: integer): number, number, number"},
+      {"net:attach(body)", "feder.AnyObject"},
+      {"rope:attach(body)", "feder.AnyObject"},
       {"world:after(fn)", "fun()"},
       {"world:every(fn)", "fun()"},
       {"world:task(fn)", "fun()"},

@@ -63,7 +63,7 @@ constexpr Option<RopeReading> kRope[] = {
     field<&RopeDesc::group>("group", "", kBits),
     field<&RopeDesc::mask>("mask", "", kBits),
     field<&RopeDesc::substeps>("substeps", "", {1, 1000}).unset(),
-    special("pins", "list of point numbers or names", read_rope_pins),
+    special("pins", "list of vertex numbers or names", read_rope_pins),
     special("color", "color", read_color<RopeReading>),
     later<RopeReading>("tags", kWordsType),
 };

@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "cloth/impl.h"
+#include "state/surface_links.h"
 
 namespace feder {
 
@@ -179,9 +180,16 @@ void Cloth::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local)
   *impl_->structure_changed = true;
 }
 
+void Cloth::attach_point(ObjectId id, std::size_t i, ObjectId other, std::size_t j) {
+  const Command command(impl_->commands, "cloth.attach_point", id, i, other, j);
+  hold_point(impl_->store, impl_->objects, id, impl_->vertex(id, i) - impl_->sheet(id).first, other, j, Vec3(0, 0, 0));
+  *impl_->structure_changed = true;
+}
+
 void Cloth::detach(ObjectId id, std::size_t i) {
   const Command command(impl_->commands, "cloth.detach", id, i);
   const std::uint32_t at = impl_->vertex(id, i);
+  if (release_point(impl_->store, impl_->objects, id, i)) *impl_->structure_changed = true;
   if (std::erase_if(impl_->attachments, [&](const Attachment& a) { return a.vertex == at; }) == 0) return;
   impl_->wake(impl_->sheet(id), WakeCause::script, {});
   impl_->sheet(id).paths_stale = true;

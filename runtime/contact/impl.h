@@ -8,6 +8,7 @@
 #include "contact/near_search.h"
 #include "contact/surface_contact.h"
 #include "state/contact_book.h"
+#include "state/surface_links.h"
 
 namespace feder {
 
@@ -27,6 +28,7 @@ struct SurfaceContact::Impl {
   Store& store;
   Objects& objects;
   ContactBook& contacts;
+  bool* structure_changed;
   const std::uint32_t finder;
   Surfaces& surfaces;
   // members of `surfaces`
@@ -69,6 +71,14 @@ struct SurfaceContact::Impl {
   double mismatch = 0, given = 0;  // N s, of the last step: largest sum of both sides' impulses; sum of impulses
   std::size_t pairs_seen = 0;      // candidate pairs of surfaces of the last step
 
+  // links.cpp: points of surfaces held to each other, of this step
+  struct HeldLink {
+    std::uint32_t link = 0, a = 0, b = 0, p = 0, q = 0;  // in SurfaceLinks; surfaces; points of Surfaces
+  };
+  Array<HeldLink> held_links{&arena};
+  Array<std::uint32_t> link_marks{&arena};  // by point: bits of links that it lies round; empty: there are none
+  double link_gap = 0;                      // m, the largest
+
   // Passes: of the step, of the substep, of the loop of solver substeps, of the step.
   void begin_step(StepContext& c);
   void list_pairs(StepContext& c);
@@ -80,6 +90,8 @@ struct SurfaceContact::Impl {
   void each_coasting(const SurfaceGroup& g, F&& f);
   void advance_bodies(StepContext& c);
   void solve_attachments(StepContext& c);
+  void connect_links(StepContext& c);
+  void solve_links(StepContext& c);
   void solve(StepContext& c);
   void read_velocities(StepContext& c);
   void rebound(StepContext& c);
@@ -91,6 +103,12 @@ struct SurfaceContact::Impl {
   NearSearch& search(const StepContext& c) const { return *searches[static_cast<std::size_t>(c.inner.group)]; }
   std::uint32_t first_of(std::uint32_t surface);
   void join(std::uint32_t a, std::uint32_t b);
+
+  // links.cpp
+  void sync_links();
+  void mark_ring(const Surface& s, std::uint32_t point, std::uint32_t mark);
+  void warn_of_gap(SurfaceLink& l, const HeldLink& h, StepContext& c);
+  bool linked(const std::uint32_t (&v)[4], bool edges) const;
 
   // rows.cpp
   void solve_rows(Array<SurfaceRow>& rows, bool near, Real h);

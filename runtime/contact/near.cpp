@@ -226,6 +226,7 @@ void SurfaceContact::Impl::add_pair(NearSearch& near, const std::uint32_t (&v)[4
   const Surface &a = list[surface_a], &b = list[surface_b];
   const std::uint32_t both = surface_a == surface_b ? kNone : surface_pair_of(surface_a, surface_b);
   if (surface_a == surface_b ? !a.active || !a.self : both == kNone) return;
+  if (!link_marks.empty() && linked(v, edges)) return;
   // distance now, largest closing speed of any two points, and deviations of both features
   Real weight[4];
   const Vec3 gap = gap_vector(

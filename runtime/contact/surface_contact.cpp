@@ -28,8 +28,8 @@ SurfaceContact::~SurfaceContact() = default;
 
 SurfaceContact::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), store(s.store), objects(s.objects), contacts(s.store.need<ContactBook>(kName)),
-      finder(contacts.finder(kName)), surfaces(s.store.need<Surfaces>(kName)), list(surfaces.list),
-      position(surfaces.position), mass(surfaces.mass), delta_position(surfaces.delta_position),
+      structure_changed(s.structure_changed), finder(contacts.finder(kName)), surfaces(s.store.need<Surfaces>(kName)),
+      list(surfaces.list), position(surfaces.position), mass(surfaces.mass), delta_position(surfaces.delta_position),
       before(surfaces.before), velocity(surfaces.velocity), surface_pairs(surfaces.pairs) {}
 
 void SurfaceContact::add_passes(StepPlan& plan) {
@@ -39,18 +39,24 @@ void SurfaceContact::add_passes(StepPlan& plan) {
   std::erase_if(m->all_parts, [&](const Impl::PartsOf& p) { return !m->objects.alive(p.object); });
   m->surfaces.solver_bodies = m->store.find<SolverBodies>();
   if (!m->surfaces.wanted()) return;
+  m->sync_links();
+  m->link_marks.clear(), m->held_links.clear(), m->link_gap = 0;
+  const SurfaceLinks* links = m->store.find<SurfaceLinks>();
+  const bool linked = links && !links->list.empty();
   const bool pairs = m->surfaces.declared() > 1;
   const bool near = pairs || m->surfaces.any_owner([](const Surfaces::Owner& o) { return o.self; });
   const bool coasts = m->surfaces.any_owner([](const Surfaces::Owner& o) { return !o.loops; });
   const bool solver_bodies = m->surfaces.solver_bodies != nullptr;
   plan.add<&Impl::begin_step>(Rank::surface_begin, "begin", kName, m);
   if (pairs) plan.add<&Impl::list_pairs>(Rank::surface_pairs, "surface pairs", kName, m);
+  if (linked) plan.add<&Impl::connect_links>(Rank::append_points, "connect links", kName, m);
   plan.add<&Impl::form_groups>(Rank::surface_groups, "groups", kName, m);
   plan.add<&Impl::begin_substep>(Rank::surface_start, "begin substep", kName, m);
   if (near) plan.add<&Impl::find_near>(Rank::surface_near, "near surfaces", kName, m);
   if (coasts) plan.add<&Impl::coast>(Rank::surface_coast, "coast", kName, m);
   if (solver_bodies) plan.add<&Impl::advance_bodies>(Rank::surface_bodies, "bodies", kName, m);
   if (solver_bodies) plan.add<&Impl::solve_attachments>(Rank::surface_attachments, "attachments", kName, m);
+  if (linked) plan.add<&Impl::solve_links>(Rank::surface_attachments, "links", kName, m);
   if (near || solver_bodies) plan.add<&Impl::solve>(Rank::surface_rows, "contacts", kName, m);
   if (coasts) plan.add<&Impl::read_velocities>(Rank::surface_velocities, "velocities", kName, m);
   if (near || solver_bodies) plan.add<&Impl::rebound>(Rank::surface_rebound, "rebound", kName, m);
@@ -135,9 +141,25 @@ void SurfaceContact::Impl::finish(StepContext&) {
   });
 }
 
-void SurfaceContact::hash(Hash& h) const { hash_pairs(impl_->contacts, impl_->finder, h); }
+void SurfaceContact::hash(Hash& h) const {
+  hash_pairs(impl_->contacts, impl_->finder, h);
+  if (const SurfaceLinks* links = impl_->store.find<SurfaceLinks>())
+    for (const SurfaceLink& l : links->list)
+      h.add(l.a.slot), h.add(l.b.slot), h.add(l.point), h.add(l.other), h.add(l.local);
+}
 
-void SurfaceContact::load(Reader&) {
+void SurfaceContact::save(Writer& w) const {
+  const SurfaceLinks* links = impl_->store.find<SurfaceLinks>();
+  const bool any = links && !links->list.empty();
+  w.add(any);
+  if (any) w.list(links->list);
+}
+
+void SurfaceContact::load(Reader& r) {
+  SurfaceLinks* links = impl_->store.find<SurfaceLinks>();
+  if (links) links->list.clear();
+  if (r.get<bool>()) r.list(impl_->store.need<SurfaceLinks>(kName).list);
+  *impl_->structure_changed = true;
   impl_->surfaces.forget();
   impl_->surfaces.wakes.clear();
 }
@@ -149,6 +171,7 @@ void SurfaceContact::residuals(std::vector<Residual>& out) const {
   out.push_back({"contact.impulse_mismatch", m.given > 0 ? m.mismatch / m.given : 0});
   out.push_back({"contact.impulse_ns", m.given});
   out.push_back({"contact.pairs", static_cast<double>(m.pairs_seen)});
+  if (!m.held_links.empty()) out.push_back({"contact.link_gap_m", m.link_gap});
 }
 
 }  // namespace feder

@@ -19,7 +19,7 @@ class SurfaceContact final : public System {
   void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // pairs of objects in contact now
   void hash(Hash& h) const override;
-  void save(Writer&) const override {}
+  void save(Writer& w) const override;
   void load(Reader& r) override;
   void validate() const override;
   void residuals(std::vector<Residual>& out) const override;  // contact.impulse_mismatch, .impulse_ns, .pairs ...

@@ -18,6 +18,7 @@ constexpr Real kMargin = Real(1.6);  // thicknesses round the path of a point: r
 constexpr Real kMarginCoasting = Real(0.75);  // the same for surfaces that coast
 constexpr Real kAside = Real(0.3);    // of its displacement in a step: a fast body draws cloth in from beside its path
 constexpr Real kSupport = Real(0.3);  // least cosine to gravity of a contact that carries
+constexpr Real kStill = Real(0.01);   // m/s: a body that moves faster wakes what is attached to it
 constexpr Real kInside = Real(0.1);   // thicknesses: pins less deep inside a shape lie on its surface
 
 }  // namespace
@@ -27,7 +28,7 @@ const SystemDescriptor& SurfaceRigid::descriptor() {
 }
 
 SurfaceRigid::SurfaceRigid(SystemSetup& s)
-    : arena_(s.store.arena(kName)), surfaces_(s.store.get<Surfaces>()), rigid_(system_of<Rigid>(s)),
+    : arena_(s.store.arena(kName)), store_(s.store), surfaces_(s.store.get<Surfaces>()), rigid_(system_of<Rigid>(s)),
       collide_(system_of<Collide>(s)), colliders_(collide_.colliders()),
       solver_bodies_(s.store.need<SolverBodies>(Rigid::kName)), objects_(s.objects),
       contacts_(s.store.need<ContactBook>(kName)), finder_(contacts_.finder(kName)) {
@@ -46,6 +47,9 @@ void SurfaceRigid::add_passes(StepPlan& plan) {
   plan.add<&S::begin>(Rank::cloth_approach, "begin", kName, this);
   plan.add<&S::find_candidates>(Rank::surface_candidates, "find candidates", kName, this);
   plan.add<&S::make_rows>(Rank::surface_contact, "contacts", kName, this);
+  if (const SurfaceLinks* links = links_of())
+    if (std::any_of(links->list.begin(), links->list.end(), [](const SurfaceLink& l) { return l.to_body != 0; }))
+      plan.add<&S::hold_links>(Rank::cloth_attachments, "attachments", kName, this);
   plan.add<&S::refresh_rows>(Rank::surface_refresh, "refresh contacts", kName, this);
   plan.add<&S::collect>(Rank::surface_collect, "collect", kName, this);
   plan.add<&S::finish>(Rank::surface_events, "bodies loaded", kName, this);
@@ -222,6 +226,51 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
       candidates_.push_back({n, k, t, 3});
     }
   }
+}
+
+// Links of points to places on bodies, as attachments of the substep. The side that moves wakes the other.
+void SurfaceRigid::hold_links(StepContext& c) {
+  const Bodies& b = rigid_.bodies();
+  for (SurfaceLink& l : links_of()->list) {
+    if (!l.to_body || !objects_.alive(l.a) || !objects_.alive(l.b)) continue;
+    const auto at =
+        std::find_if(surfaces_.list.begin(), surfaces_.list.end(), [&](const Surface& s) { return s.object == l.a; });
+    if (at == surfaces_.list.end() || l.point >= at->count) continue;
+    const std::uint32_t body = rigid_.index(l.b);
+    SurfaceAttachment k;
+    k.vertex = at->first + l.point;
+    k.solver_index = solver_bodies_.index[b.solver_slot[body]];
+    const Vec3 local = l.local - b.local_com[body];
+    const bool moves = k.solver_index != 0;
+    const Vec3 center =
+        moves ? Vec3(solver_bodies_.mass[k.solver_index].center + solver_bodies_.state[k.solver_index].delta_position)
+              : b.position[body];
+    k.arm = rotate(moves ? solver_bodies_.state[k.solver_index].rotation : b.rotation[body], local);
+    k.error = surfaces_.position[k.vertex] - center - k.arm;
+    surfaces_.groups[at->loop]->use_body(k.solver_index);
+    surfaces_.groups[at->loop]->attachments.push_back(k);
+    if (c.substep > 0) continue;
+    warn_of_gap(l, *at, length(k.error), c);
+    if (b.type[body] != BodyType::dynamic) continue;
+    if (!at->active && b.awake[body] && b.sleep_energy[body] > kStill * kStill)
+      surfaces_.wakes.push_back({l.a, l.b, WakeCause::contact});
+    if (at->active && !at->sleep_candidate && !b.awake[body]) rigid_.wake(l.b, at->wakes, l.a);
+  }
+}
+
+void SurfaceRigid::warn_of_gap(SurfaceLink& l, const Surface& s, Real gap, StepContext& c) {
+  if (l.warned) return;
+  const Real edge = mean_edge(surfaces_, s);
+  if (!(gap > kLinkGap * edge)) return;
+  l.warned = 1;
+  char numbers[96];
+  std::snprintf(numbers, sizeof numbers, "%.3g mm, %.3g mean edges", static_cast<double>(1000 * gap),
+                static_cast<double>(gap / edge));
+  c.events->warn("attachment_gap",
+                 objects_.describe(l.a) + " point " + std::to_string(l.point + 1) + " is held to a place of " +
+                     objects_.describe(l.b) + " from a distance of " + numbers +
+                     ": put the two together before attaching, or take more substeps where a load pulls them apart",
+                 l.a);
 }
 
 // Impulses of the rows of this substep, for the contact states.

@@ -10,6 +10,7 @@
 #include "state/contact_book.h"
 #include "state/solver_bodies.h"
 #include "state/surface.h"
+#include "state/surface_links.h"
 
 namespace feder {
 
@@ -59,6 +60,7 @@ class SurfaceRigid final : public System {
   void begin(StepContext& c);
   void find_candidates(StepContext& c);
   void make_rows(StepContext& c);
+  void hold_links(StepContext& c);
   void refresh_rows(StepContext& c);
   void fill_rows(StepContext& c);
   void collect(StepContext& c);
@@ -70,6 +72,8 @@ class SurfaceRigid final : public System {
   void connect(std::uint32_t surface, std::uint32_t body);
   void measure_pin(const Candidate& k, const BodyPose& at, Real radius);
   void warn_of_pins(const Surface& surface, std::uint32_t collider, StepContext& c);
+  SurfaceLinks* links_of() const { return store_.find<SurfaceLinks>(); }
+  void warn_of_gap(SurfaceLink& l, const Surface& s, Real gap, StepContext& c);
   bool anchored(std::uint32_t point, ObjectId body) const;
   void wake(Surface& surface, ObjectId by);
   BodyPose body_pose(std::uint32_t collider) const;
@@ -85,6 +89,7 @@ class SurfaceRigid final : public System {
   }
 
   Arena& arena_;
+  Store& store_;
   Surfaces& surfaces_;
   Rigid& rigid_;
   Collide& collide_;

@@ -19,6 +19,7 @@ CommandRows record_cloth() {
           command_row<&Cloth::wake>("cloth.wake", kClothKind),
           command_row<&Cloth::sleep>("cloth.sleep", kClothKind),
           command_row<&Cloth::attach>("cloth.attach", kClothKind),
+          command_row<&Cloth::attach_point>("cloth.attach_point", kClothKind),
           command_row<&Cloth::detach>("cloth.detach", kClothKind),
           command_row<&Cloth::detach_body>("cloth.detach_body", kBodyKind)};
 }

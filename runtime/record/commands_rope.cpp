@@ -15,6 +15,9 @@ CommandRows record_rope() {
           command_row<&Rope::set_script_force>("rope.set_script_force", kRopeKind),
           command_row<&Rope::clear_script_forces>("rope.clear_script_forces"),
           command_row<&Rope::wake>("rope.wake", kRopeKind),
+          command_row<&Rope::attach>("rope.attach", kRopeKind),
+          command_row<&Rope::attach_point>("rope.attach_point", kRopeKind),
+          command_row<&Rope::detach>("rope.detach", kRopeKind),
           command_row<&Rope::sleep>("rope.sleep", kRopeKind)};
 }
 

@@ -15,6 +15,7 @@ CommandRows record_springs() {
           command_row<&Springs::add_spring>("springs.add_spring", kNetKind),
           command_row<&Springs::remove_spring>("springs.remove_spring", kNetKind),
           command_row<&Springs::attach>("springs.attach", kNetKind),
+          command_row<&Springs::attach_point>("springs.attach_point", kNetKind),
           command_row<&Springs::detach>("springs.detach", kNetKind),
           command_row<&Springs::set_script_force>("springs.set_script_force", kNetKind),
           command_row<&Springs::clear_script_forces>("springs.clear_script_forces")};

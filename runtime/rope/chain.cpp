@@ -244,12 +244,12 @@ double Chain::correct(const ChainStep& s, double longest) {
   return most;
 }
 
-const Array<Double3>& Chain::solve(const ChainStep& s, Array<ChainContact>& contacts) {
+const Array<Double3>& Chain::solve(const ChainStep& s, Array<ChainContact>& contacts, const Array<ChainLoad>& loads) {
   FEDER_ASSERT(s.count >= 2 && start.size() == s.count && s.h > 0);
   wide_ = s.bend > 0;
   double longest = 0;  // segment, m
   for (std::uint32_t i = 0; i + 1 < s.count; ++i) longest = std::fmax(longest, double(s.rest_length[i]));
-  for (std::uint32_t i = 0; i < s.count; ++i) end_[i] = held(s, i) ? start[i] : guess[i];
+  for (std::uint32_t i = 0; i < s.count; ++i) end_[i] = guess[i];
   last_ = double(kInfinity), share_ = 1;
   for (iterations = 1;; ++iterations) {
     // inertia, then forces
@@ -258,6 +258,11 @@ const Array<Double3>& Chain::solve(const ChainStep& s, Array<ChainContact>& cont
       diagonal_[i] = scaled_identity(inertia);
       upper_[i] = upper2_[i] = lower_[i] = lower2_[i] = scaled_identity(0);
       residual_[i] = inertia * (target[i] - end_[i]);
+    }
+    for (const ChainLoad& l : loads) {
+      const double rate = 1 / (s.h * s.h);
+      add_to(diagonal_[l.point], rate, l.mass);
+      residual_[l.point] = residual_[l.point] + rate * times(l.mass, start[l.point] + l.shift - end_[l.point]);
     }
     add_segments(s);
     if (wide_) add_hinges(s);

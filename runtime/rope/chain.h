@@ -32,6 +32,14 @@ struct ChainContact {
   std::uint32_t row = 0;          // for the caller
 };
 
+// A mass that moves with a point: of a body that hangs from it, as that answers to pushes there.
+struct ChainLoad {
+  std::uint32_t point = 0;
+  Block3 mass{};                 // kg
+  Double3 shift{0, 0, 0};        // m, its way in the solver substep without the rope
+  std::uint32_t attachment = 0;  // for the caller
+};
+
 struct ChainStep {
   double h = 0;                                   // s
   double stretch = 0, bend = 0;                   // N, N m^2
@@ -53,7 +61,7 @@ class Chain {
   void resize(std::uint32_t count);
   Array<Double3> start{&arena_}, target{&arena_}, guess{&arena_};
   // Answers where the points end, and fills in the impulses of the contacts. Contacts come in any order.
-  const Array<Double3>& solve(const ChainStep& s, Array<ChainContact>& contacts);
+  const Array<Double3>& solve(const ChainStep& s, Array<ChainContact>& contacts, const Array<ChainLoad>& loads);
   int iterations = 0;  // of the last solve
   double missed = 0;   // m, the last correction of Newton's method
 

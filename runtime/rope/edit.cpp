@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "base/trig.h"
+#include "feder/body.h"
 #include "rope/impl.h"
 
 namespace feder {
@@ -155,6 +156,26 @@ void Rope::wake(ObjectId id, WakeCause cause, ObjectId other) {
 void Rope::sleep(ObjectId id) {
   const Command command(impl_->commands, "rope.sleep", id);
   impl_->put_to_sleep(impl_->line(id));
+}
+
+void Rope::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local) {
+  const Command command(impl_->commands, "rope.attach", id, i, body, local);
+  const std::uint32_t at = impl_->point(id, i);
+  if (!impl_->objects.alive(body) || impl_->objects.kind(body) != kBodyKind)
+    throw SceneError("attach: expected a living body, got " + impl_->objects.describe(body));
+  hold_point(impl_->store, impl_->objects, id, at, body, 0, local);
+  *impl_->structure_changed = true;
+}
+
+void Rope::attach_point(ObjectId id, std::size_t i, ObjectId other, std::size_t j) {
+  const Command command(impl_->commands, "rope.attach_point", id, i, other, j);
+  hold_point(impl_->store, impl_->objects, id, impl_->point(id, i), other, j, Vec3(0, 0, 0));
+  *impl_->structure_changed = true;
+}
+
+void Rope::detach(ObjectId id, std::size_t i) {
+  const Command command(impl_->commands, "rope.detach", id, i);
+  if (release_point(impl_->store, impl_->objects, id, impl_->point(id, i))) *impl_->structure_changed = true;
 }
 
 std::size_t Rope::rope_count() const { return impl_->lines.size(); }

@@ -12,6 +12,7 @@
 #include "state/arrays.h"
 #include "state/command_log.h"
 #include "state/surface.h"
+#include "state/surface_links.h"
 
 namespace feder {
 
@@ -62,9 +63,9 @@ struct Line {
   Array<Vec3> acceleration{&arena};  // gravity, scripts, generators, m/s^2
   std::uint32_t surface = 0;         // in Surfaces::list
   std::uint32_t bad_point = kNone;
-  bool any_pin = false, touched = false;
-  Vec3 gained_momentum = Vec3::Zero();  // kg m^2/s: error of angular momentum in this substep
-  double missed = 0;                    // m
+  bool any_pin = false, touched = false, linked = false;  // linked: held to something
+  Vec3 gained_momentum = Vec3::Zero();                    // kg m^2/s: error of angular momentum in this substep
+  double missed = 0;                                      // m
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(position.size()); }
   bool active() const { return !state.frozen && !state.asleep; }
@@ -98,6 +99,7 @@ struct Rope::Impl {
 
   Chain chain{arena};
   Array<ChainContact> contacts{&arena};
+  Array<ChainLoad> loads{&arena};
   Array<double> masses{&arena};  // kg, as the chain sees them
   Array<MassPoint> points{&arena};
   Array<Vec3> forces{&arena};  // N
@@ -130,7 +132,9 @@ struct Rope::Impl {
   void advance_line(Line& l, SurfaceGroup& g, StepContext& c);
   Vec3 body_velocity(std::uint32_t solver_index, const StepContext& c) const;
   void list_contacts(Line& l, SurfaceGroup& g, const StepContext& c);
+  void list_loads(Line& l, SurfaceGroup& g, const StepContext& c);
   void hand_over(Line& l, SurfaceGroup& g);
+  void hand_over_loads(Line& l, SurfaceGroup& g);
   void remove_gained_momentum(Line& l);
   void update_sleep(Line& l, StepContext& c);
 

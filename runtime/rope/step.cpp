@@ -35,6 +35,7 @@ void Rope::Impl::show(StepContext& c) {
     for (auto& l : lines) wake(*l, WakeCause::force, {});
   gravity = c.gravity, gravity_known = true;
   solves = 0;
+  const SurfaceLinks* links = store.find<SurfaceLinks>();
   for (auto& p : lines) {
     Line& l = *p;
     l.bad_point = kNone, l.touched = false, l.missed = 0;
@@ -49,7 +50,7 @@ void Rope::Impl::show(StepContext& c) {
     s.sleep_candidate = l.state.sleep_steps != 0, s.pinned = l.any_pin;
     if (l.active() && l.state.fresh) {
       l.state.fresh = 0;
-      if (!l.any_pin) l.set_flight(c.gravity * l.settings.gravity_scale);
+      if (!l.any_pin && !(links && links->names(l.object))) l.set_flight(c.gravity * l.settings.gravity_scale);
     }
     Real fastest = 0;
     for (std::uint32_t i = 0; i < l.size(); ++i) {
@@ -63,6 +64,7 @@ void Rope::Impl::show(StepContext& c) {
     s.fastest = std::sqrt(fastest);
     if (l.active()) l.state.substeps = wanted_substeps(l, c, s.fastest);
     s.steps = l.state.substeps;
+    l.linked = links && links->names(l.object);
     l.surface = static_cast<std::uint32_t>(surfaces.list.size());
     surfaces.list.push_back(s);
   }
@@ -178,6 +180,67 @@ void Rope::Impl::list_contacts(Line& l, SurfaceGroup& g, const StepContext& c) {
   }
 }
 
+// Bodies that this rope is attached to: what cannot move holds the point, the others move with it by their masses
+// there, shared where a body hangs from several points. Gravity's push of the substep comes bit by bit.
+void Rope::Impl::list_loads(Line& l, SurfaceGroup& g, const StepContext& c) {
+  loads.clear();
+  const Surface& s = surfaces.list[l.surface];
+  const Real h = g.step;
+  for (std::uint32_t n = 0; n < g.attachments.size(); ++n) {
+    const SurfaceAttachment& a = g.attachments[n];
+    if (a.vertex < s.first || a.vertex >= s.first + s.count) continue;
+    const std::uint32_t i = a.vertex - s.first, body = a.solver_index;
+    if (!(masses[i] < double(kInfinity))) continue;
+    Vec3 v = Vec3::Zero();
+    Mat3 response = Mat3::Zero();
+    if (body != 0) {
+      const SolverBody& b = surfaces.solver_bodies->state[body];
+      const SolverMass& m = surfaces.solver_bodies->mass[body];
+      const Mat3 arm = skew(a.arm);
+      response = -(arm * m.inv_inertia * arm);
+      response.diagonal() += m.inv_mass_axes;
+      v = b.velocity + cross(b.angular_velocity, a.arm);
+      const Real rest = 1 - static_cast<Real>(c.inner.index + 1) / static_cast<Real>(c.inner.count);
+      if (body < body_start.size() && body < body_pushed.size()) v -= rest * (body_pushed[body] - body_start[body]);
+      Real share = 0;
+      for (const SurfaceAttachment& o : g.attachments) share += o.solver_index == body ? Real(1) : Real(0);
+      response *= share;
+    }
+    if (!(response.trace() > 0)) {
+      masses[i] = double(kInfinity);
+      chain.guess[i] = chain.start[i] + wide(Vec3(h * v));
+      continue;
+    }
+    ChainLoad load;
+    load.point = i, load.attachment = n;
+    const Mat3 mass = inverse(response);
+    if (!is_finite(Vec3(mass.diagonal()))) continue;
+    for (int row = 0; row < 3; ++row)
+      for (int column = 0; column < 3; ++column) load.mass.m[3 * row + column] = double(mass(row, column));
+    load.shift = wide(Vec3(h * v));
+    loads.push_back(load);
+  }
+}
+
+// What the loads' own motion lacks to that of their points goes to the bodies, before those move.
+void Rope::Impl::hand_over_loads(Line& l, SurfaceGroup& g) {
+  const Surface& s = surfaces.list[l.surface];
+  for (const ChainLoad& n : loads) {
+    const SurfaceAttachment& a = g.attachments[n.attachment];
+    const std::uint32_t i = s.first + n.point;
+    const Double3 d = wide(surfaces.delta_position[i].vec()) - wide(surfaces.before[i].vec()) - n.shift;
+    const double* m = n.mass.m;
+    const double rate = 1 / double(g.step);
+    const Vec3 impulse =
+        narrow({rate * (m[0] * d.x + m[1] * d.y + m[2] * d.z), rate * (m[3] * d.x + m[4] * d.y + m[5] * d.z),
+                rate * (m[6] * d.x + m[7] * d.y + m[8] * d.z)});
+    SolverBody& body = surfaces.solver_bodies->state[a.solver_index];
+    const SolverMass& mass = surfaces.solver_bodies->mass[a.solver_index];
+    body.velocity += mass.inv_mass_axes.cwiseProduct(impulse);
+    body.angular_velocity += mass.inv_inertia * cross(a.arm, impulse);
+  }
+}
+
 // Impulses of the contacts to the rows and to the bodies, before those move in this solver substep.
 void Rope::Impl::hand_over(Line& l, SurfaceGroup& g) {
   for (const ChainContact& n : contacts) {
@@ -213,6 +276,7 @@ void Rope::Impl::advance_line(Line& l, SurfaceGroup& g, StepContext& c) {
     chain.target[i] = chain.guess[i] + (h * h) * wide(l.acceleration[i]);
   }
   list_contacts(l, g, c);
+  list_loads(l, g, c);
   ChainStep step;
   step.h = h, step.count = n;
   step.stretch = double(l.settings.stretch), step.bend = double(l.settings.bend);
@@ -223,20 +287,21 @@ void Rope::Impl::advance_line(Line& l, SurfaceGroup& g, StepContext& c) {
     step.direction[k] = {double(l.state.direction[k][0]), double(l.state.direction[k][1]),
                          double(l.state.direction[k][2])};
   }
-  const Array<Double3>& end = chain.solve(step, contacts);
+  const Array<Double3>& end = chain.solve(step, contacts, loads);
   solves += static_cast<std::uint64_t>(chain.iterations);
   l.missed = std::max(l.missed, chain.missed);
   // displacements, and what the forces inside gave of angular momentum
   Double3 gained{0, 0, 0};
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (!(masses[i] < double(kInfinity))) continue;
+    if (surfaces.delta_position[s.first + i].w == 0) continue;
     const Double3 moved = end[i] - chain.start[i];
-    gained = gained + masses[i] * cross(chain.start[i], end[i] - chain.target[i]);
+    gained = gained + double(l.mass[i]) * cross(chain.start[i], end[i] - chain.target[i]);
     Row4& d = surfaces.delta_position[s.first + i];
     d.set(narrow(wide(d.vec()) + moved));
   }
   l.gained_momentum += narrow((1 / h) * gained);
   hand_over(l, g);
+  hand_over_loads(l, g);
 }
 
 void Rope::Impl::advance(StepContext& c) {
@@ -252,7 +317,7 @@ void Rope::Impl::advance(StepContext& c) {
 void Rope::Impl::remove_gained_momentum(Line& l) {
   const Vec3 gained = l.gained_momentum;
   l.gained_momentum = Vec3::Zero();
-  if (l.any_pin || l.touched) return;
+  if (l.any_pin || l.touched || l.linked) return;
   const Surface& s = surfaces.list[l.surface];
   const auto place = [&](std::uint32_t i) {
     return Vec3(surfaces.position[s.first + i] - surfaces.position[s.first] +
@@ -300,7 +365,7 @@ void Rope::Impl::commit(StepContext& c) {
     Line& l = *p;
     if (!l.active()) continue;
     const Surface& s = surfaces.list[l.surface];
-    const Vec3 flight = l.any_pin || l.touched ? Vec3(0, 0, 0) : Vec3(c.gravity * l.settings.gravity_scale);
+    const Vec3 flight = l.any_pin || l.touched || l.linked ? Vec3(0, 0, 0) : Vec3(c.gravity * l.settings.gravity_scale);
     const Vec3 lead = Real(0.5) * surfaces.groups[s.loop]->step * flight;
     for (std::uint32_t i = 0; i < l.size() && l.bad_point == kNone; ++i)
       if (!is_finite(Vec3(l.position[i] + surfaces.delta_position[s.first + i].vec())) ||

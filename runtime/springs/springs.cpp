@@ -8,6 +8,7 @@
 #include "springs/impl.h"
 #include "state/particles.h"
 #include "state/surface.h"
+#include "state/surface_links.h"
 
 namespace feder {
 namespace {
@@ -290,9 +291,19 @@ void Springs::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& loca
   *impl_->structure_changed = true;
 }
 
+void Springs::attach_point(ObjectId id, std::size_t i, ObjectId other, std::size_t j) {
+  const Command command(impl_->commands, "springs.attach_point", id, i, other, j);
+  const std::uint32_t at = impl_->point(id, i);
+  if (!(impl_->particles.radius[at] > 0))
+    throw SceneError("attach: expected a net that collides (radius above 0), got " + impl_->objects.describe(id));
+  hold_point(impl_->store, impl_->objects, id, i, other, j, Vec3(0, 0, 0));
+  *impl_->structure_changed = true;
+}
+
 void Springs::detach(ObjectId id, std::size_t i) {
   const Command command(impl_->commands, "springs.detach", id, i);
   const std::uint32_t at = impl_->point(id, i);
+  if (release_point(impl_->store, impl_->objects, id, i)) *impl_->structure_changed = true;
   if (std::erase_if(impl_->attachments, [&](const Attachment& a) { return a.point == at; }) > 0)
     *impl_->structure_changed = true;
 }

@@ -111,7 +111,7 @@ cloths:
     max_strain: false
 ropes:
   - { from: [30, 5, 0], to: [31, 5, 0], segments: 6, pins: [first_clamped, 3], bend: 0.01 }
-  - { points: [[30, 6, 0], [31, 6, 0], [31, 6, 1]], pins: last }
+  - { points: [[30, 6, 0], [31, 6, 0], [31, 6, 1]], pins: [last] }
 fluids:
   - spacing: 0.1
     solver: pbf

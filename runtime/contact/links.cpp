@@ -1,0 +1,115 @@
+// Points of surfaces held to points of others: equality rows of positions, solved beside the attachments to bodies in
+// each solver substep of the group that both are in. Both points take the opposite correction by their masses, so what
+// one side loses the other gets; a gap from before the solver substep closes at kLinkSpeed. Features round the two
+// points do not collide with each other. Kept between steps: the links (state/surface_links.h). Weak spot: Gauss-Seidel
+// between the two sides' own solvers, so a force F leaves a gap of about F h^2/m.
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "contact/impl.h"
+
+namespace feder {
+namespace {
+
+constexpr Real kLinkSpeed = 3;  // m/s
+constexpr std::uint32_t kMarks = 32;
+
+}  // namespace
+
+// Links with objects that are gone end.
+void SurfaceContact::Impl::sync_links() {
+  SurfaceLinks* links = store.find<SurfaceLinks>();
+  if (links)
+    std::erase_if(links->list, [&](const SurfaceLink& l) { return !objects.alive(l.a) || !objects.alive(l.b); });
+}
+
+// Points of the surface within one edge of `point`, and itself, get a mark.
+void SurfaceContact::Impl::mark_ring(const Surface& s, std::uint32_t point, std::uint32_t mark) {
+  link_marks[s.first + point] |= mark;
+  const std::uint32_t* ends = s.edges.ends;
+  for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride) {
+    if (ends[0] == point) link_marks[s.first + ends[1]] |= mark;
+    if (ends[1] == point) link_marks[s.first + ends[0]] |= mark;
+  }
+}
+
+void SurfaceContact::Impl::connect_links(StepContext& c) {
+  sync_links();
+  held_links.clear();
+  link_marks.assign(surfaces.size(), 0);
+  link_gap = 0;
+  SurfaceLinks& links = store.get<SurfaceLinks>();
+  for (std::uint32_t k = 0; k < links.list.size(); ++k) {
+    SurfaceLink& l = links.list[k];
+    HeldLink h;
+    h.link = k;
+    const auto find = [&](ObjectId id) {
+      for (std::uint32_t n = 0; n < list.size(); ++n)
+        if (list[n].object == id) return n;
+      return kNone;
+    };
+    h.a = find(l.a), h.b = l.to_body ? kNone : find(l.b);
+    if (h.a == kNone || l.point >= list[h.a].count) continue;
+    if (l.to_body) {
+      surfaces.anchors.push_back({h.a, list[h.a].first + l.point, l.b});
+      continue;
+    }
+    if (h.b == kNone || l.other >= list[h.b].count) continue;
+    h.p = list[h.a].first + l.point, h.q = list[h.b].first + l.other;
+    surfaces.connections.push_back({h.a, h.b, 0});
+    const std::uint32_t mark = 1u << (k % kMarks);
+    mark_ring(list[h.a], l.point, mark), mark_ring(list[h.b], l.other, mark);
+    held_links.push_back(h);
+    warn_of_gap(l, h, c);
+    // what moves wakes what it is held to
+    for (const auto& [sleeper, other] : {std::pair(h.a, h.b), std::pair(h.b, h.a)})
+      if (!list[sleeper].active && list[other].active && !list[other].sleep_candidate)
+        wake(list[sleeper].object, list[other].object);
+  }
+}
+
+void SurfaceContact::Impl::warn_of_gap(SurfaceLink& l, const HeldLink& h, StepContext& c) {
+  const Real gap = length(Vec3(position[h.p] - position[h.q]));
+  link_gap = std::max(link_gap, double(gap));
+  if (l.warned) return;
+  const Real edge = mean_edge(surfaces, list[h.a]);
+  if (!(gap > kLinkGap * edge)) return;
+  l.warned = 1;
+  char numbers[96];
+  std::snprintf(numbers, sizeof numbers, "%.3g mm, %.3g mean edges", double(1000 * gap), double(gap / edge));
+  c.events->warn("attachment_gap",
+                 objects.describe(l.a) + " point " + std::to_string(l.point + 1) + " is held to point " +
+                     std::to_string(l.other + 1) + " of " + objects.describe(l.b) + " from a distance of " + numbers +
+                     ": put the two together before attaching, or take more substeps where a load pulls them apart",
+                 l.a);
+}
+
+void SurfaceContact::Impl::solve_links(StepContext& c) {
+  const SurfaceGroup& g = group(c);
+  const Real h = g.step, closed = kLinkSpeed * h;
+  for (const HeldLink& k : held_links) {
+    if (list[k.a].loop != static_cast<std::uint32_t>(c.inner.group)) continue;
+    Row4 &x = delta_position[k.p], &y = delta_position[k.q];
+    const Real sum = x.w + y.w;
+    if (!(sum > 0)) continue;
+    Vec3 error = current_position(k.p) - current_position(k.q);
+    Vec3 change = x.vec() - before[k.p].vec() - y.vec() + before[k.q].vec();
+    if (before[k.p].w != 0) change += h * velocity[k.p].vec();
+    if (before[k.q].w != 0) change -= h * velocity[k.q].vec();
+    const Vec3 start = error - change;
+    const Real open = length(start);
+    if (open > closed) error -= (1 - closed / open) * start;
+    const Vec3 push = -error / sum;  // kg m
+    x.add(x.w * push), y.add(-y.w * push);
+  }
+}
+
+// Do features with these points lie round the two ends of a link?
+bool SurfaceContact::Impl::linked(const std::uint32_t (&v)[4], bool edges) const {
+  const std::uint32_t a = edges ? link_marks[v[0]] | link_marks[v[1]] : link_marks[v[0]];
+  const std::uint32_t b = link_marks[v[2]] | link_marks[v[3]] | (edges ? 0 : link_marks[v[1]]);
+  return (a & b) != 0;
+}
+
+}  // namespace feder

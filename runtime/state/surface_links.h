@@ -1,0 +1,54 @@
+// Links of surfaces: a point of a soft thing held to a point of another, or to a place on a body. Kept between steps by
+// contact, which holds surfaces to each other; the coupling with bodies reads those to bodies.
+#pragma once
+#include "feder/memory.h"
+#include "feder/object.h"
+#include "feder/types.h"
+#include "state/surface.h"
+
+namespace feder {
+
+struct SurfaceLink {
+  ObjectId a, b;                       // b: another surface, or a body
+  std::uint32_t point = 0, other = 0;  // of a, and of b, from 0 within them
+  Vec3 local = Vec3::Zero();           // of a body: the place in its frame, m
+  std::uint32_t to_body = 0;           // 1: b is a body
+  std::uint32_t warned = 0;            // 1: a gap was reported
+};
+
+// The block: a world's links in the order they were made.
+struct SurfaceLinks {
+  explicit SurfaceLinks(Arena& a) : list(&a) {}
+  Array<SurfaceLink> list;
+
+  bool names(ObjectId object) const {
+    for (const SurfaceLink& l : list)
+      if (l.a == object || l.b == object) return true;
+    return false;
+  }
+};
+
+// Holds point i of `a` to point j of `b`, or where that is a body to the place `local` of its frame, from the next step
+// on while both show surfaces with such points; wakes both. SceneError when `b` is no living body or soft thing, or
+// both points are one. Systems call it for `a`, whose index they have checked.
+void hold_point(Store& store, const Objects& objects, ObjectId a, std::size_t i, ObjectId b, std::size_t j,
+                const Vec3& local);
+// Ends all links of that point; false when there are none.
+bool release_point(Store& store, const Objects& objects, ObjectId a, std::size_t i);
+
+// A gap that is reported, in mean edges of the surface whose point is attached.
+inline constexpr Real kLinkGap = Real(0.5);
+
+// The mean length of its edges now, m; its thickness where it has none with a length.
+inline Real mean_edge(const Surfaces& all, const Surface& s) {
+  Real sum = 0;
+  std::uint32_t count = 0;
+  const std::uint32_t* ends = s.edges.ends;
+  for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride) {
+    if (ends[0] == ends[1]) continue;
+    sum += length(Vec3(all.position[s.first + ends[0]] - all.position[s.first + ends[1]])), ++count;
+  }
+  return count > 0 ? sum / static_cast<Real>(count) : s.thickness;
+}
+
+}  // namespace feder
