@@ -70,6 +70,7 @@ struct ClothPass {
   WideReal* pushes;       // Row4: impulses that it adds, N s
   WideReal stretched;     // 1 + the largest strain of a link
   bool again;             // a further sweep of this solver substep: multipliers go on; else they begin at zero
+  bool once;              // it is the only one
 };
 
 struct ClothKernels {

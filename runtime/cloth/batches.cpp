@@ -213,13 +213,13 @@ void ClothBatches::run(Kernel kernel, const Array<Color>& colors, ClothPass pass
   });
 }
 
-void ClothBatches::solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c) {
+void ClothBatches::solve(const ClothView& v, Real h, bool hinges, Sweep sweep, StepContext& c) {
   ClothPass pass = this->pass(v, h);
-  pass.inv_h2 = 1 / (h * h), pass.again = again;
+  pass.inv_h2 = 1 / (h * h), pass.again = sweep.index > 0, pass.once = sweep.count == 1;
   pass.stretched = 1 + v.max_strain;
-  run(v.max_strain < kInfinity ? kernels_->limited_links
-      : v.inflated && !again   ? kernels_->closed_links
-                               : kernels_->links,
+  run(v.max_strain < kInfinity    ? kernels_->limited_links
+      : v.inflated && !pass.again ? kernels_->closed_links
+                                  : kernels_->links,
       link_colors_, pass, c);
   if (hinges) run(kernels_->hinges, hinge_colors_, pass, c);
 }

@@ -45,8 +45,12 @@ class ClothBatches {
   void pick(bool wide);
   // Colours and batches for this mesh; does nothing for the version it has.
   void build(const ClothView& v);
-  void current_position(const ClothView& v);                                        // edges at the start of the step
-  void solve(const ClothView& v, Real h, bool hinges, bool again, StepContext& c);  // one sweep of a solver substep
+  void current_position(const ClothView& v);  // edges at the start of the step
+  // Which sweep of a solver substep.
+  struct Sweep {
+    int index = 0, count = 1;
+  };
+  void solve(const ClothView& v, Real h, bool hinges, Sweep sweep, StepContext& c);
   // Forces of hinges over h into `velocity`.
   void bend(const ClothView& v, Real h, StepContext& c);
   void limit(const ClothView& v, Real h, StepContext& c);  // links without their force, to v.max_strain

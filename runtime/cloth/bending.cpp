@@ -29,7 +29,7 @@ void weights(const ClothView& v, const ClothHinge& h, double (&a)[4]) {
 void QuadraticBending::build(const ClothView& v) {
   blocks_.clear(), entries_.clear();
   const auto& hinges = v.mesh->hinges;
-  exists_ = !hinges.empty() &&
+  exists_ = !v.flows && !hinges.empty() &&
             std::all_of(hinges.begin(), hinges.end(), [](const ClothHinge& h) { return std::fabs(h.angle) <= kFlat; });
   if (!exists_) return;
   std::vector<Coupling> all;

@@ -85,8 +85,9 @@ typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
 // 0.
 // In a closed skin under pressure the moves of a row are undone by its neighbours', half of them after it: its length
 // at the end is what a link with half of the inverse masses more compliance has. kClosed takes that off, down to none.
-template <bool kLimited, bool kClosed = false>
-void solve_links(const ClothPass& p) {
+// kOnce: one sweep does, so multipliers are not kept.
+template <bool kLimited, bool kClosed, bool kOnce>
+void sweep_links(const ClothPass& p) {
   const Lanes inv_h2 = all_lanes(p.inv_h2);
   for (unsigned i = p.first; i < p.last; ++i) {
     LinkBatch& c = p.links[i];
@@ -98,7 +99,7 @@ void solve_links(const ClothPass& p) {
       const LaneMask both = (a.w > zero_lanes()) & (b.w > zero_lanes());
       alpha = max(alpha - select(both, all_lanes(0.5f) * (a.w + b.w), zero_lanes()), zero_lanes());
     }
-    const Lanes old = p.again ? load(c.multiplier) : zero_lanes();
+    const Lanes old = !kOnce && p.again ? load(c.multiplier) : zero_lanes();
     Lanes pull = load(c.rest) - size - alpha * old, weight = a.w + b.w + alpha;
     if (kLimited) {
       const Lanes longest = load(c.rest) * all_lanes(p.stretched), stiff = a.w + b.w;
@@ -109,9 +110,14 @@ void solve_links(const ClothPass& p) {
       }
     }
     const Lanes change = pull * reciprocal_or_zero(weight);
-    store(c.multiplier, old + change);
+    if (!kOnce) store(c.multiplier, old + change);
     push_ends(p, c, a, b, e * (change * reciprocal_or_zero(size)));
   }
+}
+
+template <bool kLimited, bool kClosed = false>
+void solve_links(const ClothPass& p) {
+  p.once ? sweep_links<kLimited, kClosed, true>(p) : sweep_links<kLimited, kClosed, false>(p);
 }
 
 // Strain limit alone, after a solver that has forces of its own (Provot 1995).

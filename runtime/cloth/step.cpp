@@ -24,7 +24,7 @@ double stretch_error(const Sheet& s) {
   constexpr double kUsual = 0.01, kTied = 0.05;
   if (s.settings.stretch_error > 0) return double(s.settings.stretch_error);
   if (s.ties.batches.empty()) return kUsual;
-  const double tied = std::fmax(kUsual, std::fmin(double(s.settings.max_strain), kTied));
+  const double tied = std::fmax(kUsual, std::fmin(1.5 * double(s.settings.max_strain), kTied));
   return kUsual + double(s.unladen()) * (tied - kUsual);
 }
 

@@ -55,7 +55,7 @@ class Xpbd final : public ClothSolver {
       }
     });
     // sweeps of the rows
-    for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft_, k > 0, c);
+    for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft_, {k, iterations_}, c);
     batches_.tie(v, h, c);
   }
 

@@ -53,8 +53,8 @@ struct ClothDesc {
   std::uint32_t group = 1, mask = 0xffffffffu;
   // Solver substeps per substep of the world: 0 chooses them so that a hanging sheet keeps stretch_error, see step.cpp.
   int substeps = 0;
-  // Strain error of the solver, beside the material's strain. < 0: 0.01, up to max_strain and 0.05 for cloth that ties
-  // to its pins hold, less the more rests on it.
+  // Strain error of sweeps alone, beside the material's strain. < 0: 0.01, up to 0.05 for cloth that bears nothing and
+  // that ties to its pins hold: they leave a quarter of it.
   Real stretch_error = -1;
   int max_substeps = 64;                        // largest number that is chosen, with a warning
   std::string solver = default_cloth_solver();  // xpbd, or the first of this build
