@@ -7,6 +7,9 @@
 #include "cli/command.h"
 #include "cli/field_cache.h"
 #include "cli/stop.h"
+#ifdef FEDER_HAS_MESHES
+#include "feder/meshes.h"
+#endif
 #ifdef FEDER_HAS_YAML
 #include "feder/yaml.h"
 #endif
@@ -99,6 +102,9 @@ lua::HostOptions host_options(const Options& o) {
     host.make_field = [cache = FieldCache(field_cache_folder(), stamp)](const SdfDesc& d) { return cache.make(d); };
 #ifdef FEDER_HAS_YAML
   host.load_yaml = yaml::push;
+#endif
+#ifdef FEDER_HAS_MESHES
+  host.load_mesh = meshes::read;
 #endif
   return host;
 }

@@ -1,4 +1,5 @@
-// Files of scripts: modules (require) and YAML (feder.load), from the library folders and the folder of the scene.
+// Files of scripts: modules (require), YAML (feder.load) and meshes (feder.load_mesh), from the library folders and the
+// folder of the scene.
 #include "lua/library.h"
 
 #include <algorithm>
@@ -49,14 +50,67 @@ void run_module(lua_State* L, const std::string& name, const fs::path& file) {
   lua_call(L, 1, 1);
 }
 
-// "materials.yaml", "sub/materials.yml": relative, no "..".
-bool is_data_name(const std::string& name) {
+// "materials.yaml", "sub/materials.yml": relative, no "..", with one of the extensions if there are any.
+bool is_data_name(const std::string& name, std::initializer_list<const char*> extensions) {
   if (name.empty() || name.size() > 200 || name[0] == '/' || name.find("..") != std::string::npos) return false;
   const bool plain = std::all_of(name.begin(), name.end(), [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '-' || c == '.' || c == '/';
   });
   const fs::path extension = fs::path(name).extension();
-  return plain && (extension == ".yaml" || extension == ".yml");
+  return plain && (extensions.size() == 0 || std::ranges::find(extensions, extension) != extensions.end());
+}
+
+struct MeshReading {
+  bool weld = true;
+};
+
+constexpr Option<MeshReading> kLoadMesh[] = {
+    field<&MeshReading::weld>("weld"),
+};
+
+// The folder that has the file `name`: the scene's, or a library; empty when none has.
+fs::path folder_with(const State& s, const std::string& name) {
+  if (!s.folder.empty() && !inside(s.folder, name).empty()) return s.folder;
+  for (const fs::path& root : s.options.library_roots)
+    if (!inside(root, name).empty()) return root;
+  return {};
+}
+
+// A file that a mesh names: of the mesh's folder or one below, and of the same root.
+std::string read_beside(State& s, const fs::path& root, const fs::path& folder, const std::string& name) {
+  if (!is_data_name(name, {}))
+    throw SceneError("names the file '" + name + "', which is not plainly one beside it or in a folder below");
+  const fs::path file = inside(root, folder / name);
+  if (file.empty()) throw SceneError("no file '" + name + "' beside it");
+  record_file(s, file);
+  return read_text(file);
+}
+
+void push_numbers(lua_State* L, std::initializer_list<double> numbers, bool whole) {
+  lua_createtable(L, 3, 0);
+  int k = 0;
+  for (const double x : numbers) {
+    whole ? lua_pushinteger(L, static_cast<lua_Integer>(x)) : lua_pushnumber(L, x);
+    lua_rawseti(L, -2, ++k);
+  }
+}
+
+void push_mesh(lua_State* L, const TriangleMesh& mesh) {
+  charge(L, 4 * (mesh.vertices.size() + mesh.triangles.size() / 3));
+  lua_createtable(L, 0, 2);
+  lua_createtable(L, static_cast<int>(mesh.vertices.size()), 0);
+  lua_Integer n = 0;
+  for (const Vec3& v : mesh.vertices) {
+    push_numbers(L, {double(v[0]), double(v[1]), double(v[2])}, false);
+    lua_rawseti(L, -2, ++n);
+  }
+  lua_setfield(L, -2, "vertices");
+  lua_createtable(L, static_cast<int>(mesh.triangles.size() / 3), 0);
+  for (std::size_t t = 0; t + 2 < mesh.triangles.size(); t += 3) {
+    push_numbers(L, {mesh.triangles[t] + 1.0, mesh.triangles[t + 1] + 1.0, mesh.triangles[t + 2] + 1.0}, true);
+    lua_rawseti(L, -2, static_cast<lua_Integer>(t / 3 + 1));
+  }
+  lua_setfield(L, -2, "triangles");
 }
 
 }  // namespace
@@ -138,7 +192,7 @@ int lua_require(lua_State* L) {
 int feder_load(lua_State* L) {
   State& s = state(L);
   const std::string name = check_text(L, 1, function_name(L));
-  if (!is_data_name(name))
+  if (!is_data_name(name, {".yaml", ".yml"}))
     fail_here(L, "expected the name of a .yaml file beside the scene or in a library, got " + describe(L, 1));
   if (!s.options.load_yaml) fail_here(L, "this host reads no YAML");
   fs::path file;
@@ -152,6 +206,40 @@ int feder_load(lua_State* L) {
   push_yaml(L, chunk_name(file), read_text(file));
   return 1;
 }
+
+int feder_load_mesh(lua_State* L) {
+  State& s = state(L);
+  const std::string name = check_text(L, 1, function_name(L));
+  if (!is_data_name(name, {".obj", ".gltf", ".glb"}))
+    fail_here(
+        L, "expected the name of an .obj, .gltf or .glb file beside the scene or in a library, got " + describe(L, 1));
+  MeshReading reading;
+  if (!lua_isnoneornil(L, 2)) Options(L, 2, function_name(L)).read(kLoadMesh, reading);
+  if (!s.options.load_mesh)
+    fail_here(L,
+              is_left_out("feder.meshes") ? "this build leaves out the module 'meshes'" : "this host reads no meshes");
+  const fs::path root = folder_with(s, name);
+  if (root.empty()) fail_here(L, "no file '" + name + "' beside the scene or in the libraries");
+  const fs::path file = inside(root, name);
+  record_file(s, file);
+  TriangleMesh mesh;
+  std::string error;
+  s.outside_lua([&] {
+    try {
+      const std::string content = read_text(file);
+      mesh = s.options.load_mesh({chunk_name(file), content, reading.weld, [&](const std::string& beside) {
+                                    return read_beside(s, root, fs::path(name).parent_path(), beside);
+                                  }});
+    } catch (const SceneError& e) {
+      error = e.what();
+    }
+  });
+  if (!error.empty()) fail_here(L, error);
+  push_mesh(L, mesh);
+  return 1;
+}
+
+std::vector<OptionInfo> load_mesh_rows() { return describe_rows(kLoadMesh); }
 
 void push_yaml(lua_State* L, const std::string& file, const std::string& text) {
   std::string error;

@@ -1,5 +1,6 @@
 // Files of scripts: require and feder.load. Names cannot leave the library folders and the scene's own folder.
 #pragma once
+#include "lua/options.h"
 #include "lua/state.h"
 
 namespace feder::lua {
@@ -8,6 +9,8 @@ namespace feder::lua {
 bool is_left_out(const std::string& name);
 int lua_require(lua_State* L);
 int feder_load(lua_State* L);
+int feder_load_mesh(lua_State* L);
+std::vector<OptionInfo> load_mesh_rows();
 // Pushes what the text of a YAML file says, by the host's reader; its error has the location in the file.
 void push_yaml(lua_State* L, const std::string& file, const std::string& text);
 // Remembers that the script reads this file, for Script::files.

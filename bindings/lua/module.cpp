@@ -45,6 +45,10 @@ const Method kFederFunctions[] = {
      "a value that --set, a viewer or a study may change", param_rows},
     {"load", guard<feder_load>, "feder.load(file) -> table",
      "a YAML file (materials.yaml) beside the scene or in the libraries"},
+    {"load_mesh", guard<feder_load_mesh>, "feder.load_mesh(file, [{ weld = }]) -> table",
+     "{ vertices =, triangles = } of an .obj, .gltf or .glb file beside the scene or in the libraries, as world:cloth, "
+     "feder.mesh and feder.hull take them",
+     load_mesh_rows},
     {"choices", guard<feder_choices>, "feder.choices(option) -> {name, ...}",
      "what an option takes in this build, by its path: \"cloth.solver\", \"joint.type\", \"world.rigid.solver\""},
     {"deg", method<feder_deg>, "feder.deg(degrees) -> radians", "angles are radians everywhere"},

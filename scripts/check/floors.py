@@ -19,13 +19,14 @@ FLOORS = {
     "integrate": 5, "forces": 5, "broad": 5, "narrow": 5, "constrain": 5, "sph": 5, "neighbors": 5,
     "collide": 6, "springs": 6, "rigid": 6, "fluid": 6, "cloth": 6, "rope": 6,
     "contact": 7, "couple": 8, "world": 9, "record": 10, "study": 10,
-    "lua": 11, "yaml": 11, "report": 11, "view": 11, "cli": 11, "c": 11, "web": 11,
+    "lua": 11, "yaml": 11, "meshes": 11, "report": 11, "view": 11, "cli": 11, "c": 11, "web": 11,
 }
 # Bindings of one floor that may know each other; everything else on one floor stays strangers.
 NEIGHBORS = {
     "yaml": {"lua"},
+    "meshes": {"lua"},
     "view": {"lua", "yaml", "report"},
-    "cli": {"lua", "yaml", "report", "view"},
+    "cli": {"lua", "yaml", "meshes", "report", "view"},
     "web": {"lua", "view"},
 }
 # Public headers, runtime/include/feder/<name>.h, and whose they are: on that floor they may be included, but also by
@@ -36,6 +37,7 @@ PUBLIC = {
     "system": "step", "force": "forces", "integrator": "integrate", "joint": "constrain", "query": "collide",
     "net": "springs", "rigid": "rigid", "cloth": "cloth", "rope": "rope", "fluid": "fluid", "desc": "world", "world": "world",
     "systems": "world", "record": "record", "study": "study", "stability": "study", "lua": "lua", "parts": "lua", "yaml": "lua",
+    "meshes": "lua",
 }
 PUBLIC_FOLDER = "runtime/include/feder"
 EIGEN = {f"{PUBLIC_FOLDER}/types.h": {"Eigen/Core"}}

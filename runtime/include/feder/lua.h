@@ -57,6 +57,20 @@ std::span<const Part* const> parts();  // all of this build, in the library fede
 using LineCounts = std::map<int, std::uint64_t>;
 using Coverage = std::map<std::string, LineCounts>;
 
+// A file of triangles, for HostOptions::load_mesh.
+struct MeshFile {
+  std::string name;          // in messages
+  std::string_view content;  // the bytes of the file
+  bool weld = true;          // vertices at one place become one, those that no triangle has are left out
+  // The bytes of another file that this one names, by the rules for the first; throws SceneError for one that may not
+  // be read.
+  std::function<std::string(const std::string& name)> read_beside = {};
+};
+struct TriangleMesh {
+  std::vector<Vec3> vertices;            // m
+  std::vector<std::uint32_t> triangles;  // three vertex numbers each, from 0
+};
+
 // A host that wants fewer systems names its own parts (feder/parts.h) and catalog where it makes the options, as
 // HostOptions{.parts = mine, .systems = my_systems}, and links feder_lua_core and feder_lua_<module> alone. Both lists
 // outlive the script.
@@ -89,6 +103,9 @@ struct HostOptions {
   // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see feder/yaml.h).
   // Pushes one Lua value on the stack of the lua_State* passed as void*; throws ScriptError.
   std::function<void(void* lua_state, const std::string& file, const std::string& text)> load_yaml = {};
+  // Reads the triangles of a file for feder.load_mesh; set by hosts that link bindings/meshes (see feder/meshes.h).
+  // Throws SceneError "file:line: message".
+  std::function<TriangleMesh(const MeshFile& file)> load_mesh = {};
   // Counts lines of Lua files that run, when not null: slow. It outlives the script.
   Coverage* coverage = nullptr;
 };
