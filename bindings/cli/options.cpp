@@ -8,7 +8,7 @@
 #include "cli/field_cache.h"
 #include "cli/stop.h"
 #ifdef FEDER_HAS_MESHES
-#include "feder/meshes.h"
+#include "feder/lua.h"
 #endif
 #ifdef FEDER_HAS_YAML
 #include "feder/yaml.h"

@@ -1,6 +1,5 @@
-#include "feder/meshes.h"
-
 #include "feder/error.h"
+#include "feder/lua.h"
 #include "meshes/builder.h"
 
 namespace feder::meshes {

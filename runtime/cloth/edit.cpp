@@ -230,6 +230,10 @@ void Cloth::set_impact(std::size_t n, Real acceleration, Real speed) {
   Sheet& s = *impl_->sheets[n];
   s.impact = std::max(s.impact, acceleration), s.approach_speed = std::max(s.approach_speed, speed);
 }
+void Cloth::set_beside_body(std::size_t n) {
+  FEDER_ASSERT(n < impl_->sheets.size());
+  impl_->sheets[n]->beside_body = true;
+}
 void Cloth::set_load(std::size_t n, Real mass) {
   FEDER_ASSERT(n < impl_->sheets.size() && !(mass < 0));
   impl_->sheets[n]->state.load = mass;

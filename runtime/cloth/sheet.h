@@ -105,6 +105,7 @@ struct Sheet {
   Real mass = 0;                        // kg
   Vec3 gained_momentum = Vec3::Zero();  // kg m^2/s, angular momentum error of its solver in this substep
   bool any_pin = false;
+  bool beside_body = false;   // bodies may touch it in this step
   bool prepared = false;      // its solver, for this step
   bool gusty = true;          // still air is not known for this step, or changes within it
   double kinetic = -1;        // J, at the end of the last step; < 0: unknown, a velocity was edited
@@ -114,8 +115,8 @@ struct Sheet {
   void set_flight(const Vec3& a) {
     for (int k = 0; k < 3; ++k) state.flight[k] = a[k];
   }
-  // 1 for a cloth that bears nothing, 0 for one that bears its own weight or more.
-  Real unladen() const { return mass > 0 ? std::max(1 - state.load / mass, Real(0)) : Real(1); }
+  // 1 for a cloth that bears nothing, 0 for one that bears its own weight or more, or may touch bodies.
+  Real unladen() const { return beside_body ? Real(0) : mass > 0 ? std::max(1 - state.load / mass, Real(0)) : Real(1); }
   // Strain of links is limited to max_strain.
   bool limited() const { return settings.limit_free || !ties.batches.empty() || !ties.to_body.empty(); }
   bool active() const { return !state.frozen && !state.asleep; }

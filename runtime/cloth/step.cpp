@@ -387,6 +387,7 @@ void Cloth::Impl::commit(StepContext& c) {
   if (any_active) {
     for (auto& s : sheets) {
       s->impact = s->approach_speed = 0;
+      s->beside_body = false;
       s->set_flight(s->active() && !s->any_pin ? Vec3(c.gravity * s->settings.gravity_scale) : Vec3(0, 0, 0));
     }
     // displacements become positions, unless one is not finite

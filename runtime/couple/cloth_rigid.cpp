@@ -100,9 +100,9 @@ void ClothRigid::find_approach(StepContext& c) {
     Real impact = 0, speed = 0;
     list_near(all, c);
     for (const std::uint32_t k : near_) {
-      if (!colliders_.meets(k, info.group, info.mask) || colliders_.motion[k] == ColliderMotion::fixed ||
-          !colliders_.awake[k] || !overlaps(all, colliders_.swept(k, c.dt)))
-        continue;
+      if (!colliders_.meets(k, info.group, info.mask) || !overlaps(all, colliders_.swept(k, c.dt))) continue;
+      cloth_.set_beside_body(n);
+      if (colliders_.motion[k] == ColliderMotion::fixed || !colliders_.awake[k]) continue;
       const std::uint32_t body = colliders_.owner_index[k];
       const Real share = b.type[body] == BodyType::dynamic ? std::min(b.mass[body] / mass, Cloth::kMaxLoad) : Real(1);
       const Vec3 u = colliders_.velocity[k] - mean / mass;

@@ -166,7 +166,7 @@ constexpr Sample kSamples[] = {
 
 void write_scripts(const Program& p) {
   const std::string cloth =
-      "scene.cloth = world:cloth { size = { 1, 1 }, resolution = { 9, 9 }, pins = { 1, 9 }, solver = 'xpbd', "
+      "scene.cloth = world:cloth { size = { 1, 1 }, resolution = { 33, 33 }, pins = { 1, 33 }, solver = 'xpbd', "
       "stretch = 1e9, max_substeps = 1 }\n";
   p.write("warns.lua", scene(cloth + "world:on('step', function() error('no') end)",
                              "expect(false, 'never')\nexpect.near(1, 2, 0.1)"));

@@ -77,7 +77,7 @@ constexpr Line kMistakes[] = {
     {"world:body { shape = feder.sphere(1), position = { 0, '1', 0 } }", "position: expected number, got \"1\""},
     {"world:after(1, 2)", "fn: expected function, got integer"},
     {"world:after(1, function(e) end)", "a function of at most 0 parameters"},
-    {"net:attach(1, net)", "body: expected feder.Body, got feder.Net"},
+    {"net:attach(1, world)", "got feder.World"},
     {"world:joint { type = 'ball', a = net }", "a: expected feder.Body, got feder.Net"},
     {"ball:set_gravity_scale(true)", "s: expected number, got true"},
 };

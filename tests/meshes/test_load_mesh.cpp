@@ -3,7 +3,6 @@
 #include <fstream>
 
 #include "feder/lua.h"
-#include "feder/meshes.h"
 #include "support/catch.h"
 
 using namespace feder;

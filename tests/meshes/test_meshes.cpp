@@ -10,7 +10,7 @@
 
 #include "base/rng.h"
 #include "feder/error.h"
-#include "feder/meshes.h"
+#include "feder/lua.h"
 #include "support/catch.h"
 
 using namespace feder;

@@ -173,6 +173,7 @@ class Cloth final : public System {
   // What approaches in this step: the acceleration that it would give to the whole cloth, m/s^2, and the approach speed
   // of bodies, m/s. The largest of several calls counts.
   void set_impact(std::size_t n, Real acceleration, Real speed);
+  void set_beside_body(std::size_t n);                   // bodies, fixed ones too, may touch it in this step
   void push(std::uint32_t vertex, const Vec3& impulse);  // N s; after the solver substeps of a substep
 
  private:

@@ -103,7 +103,7 @@ struct HostOptions {
   // Reads YAML text as a value tree for feder.load; set by hosts that link bindings/yaml (see feder/yaml.h).
   // Pushes one Lua value on the stack of the lua_State* passed as void*; throws ScriptError.
   std::function<void(void* lua_state, const std::string& file, const std::string& text)> load_yaml = {};
-  // Reads the triangles of a file for feder.load_mesh; set by hosts that link bindings/meshes (see feder/meshes.h).
+  // Reads the triangles of a file for feder.load_mesh; set by hosts that link bindings/meshes (feder::meshes::read).
   // Throws SceneError "file:line: message".
   std::function<TriangleMesh(const MeshFile& file)> load_mesh = {};
   // Counts lines of Lua files that run, when not null: slow. It outlives the script.
@@ -308,3 +308,15 @@ class Script {
 };
 
 }  // namespace feder::lua
+
+// In the library feder::meshes (find_package(feder COMPONENTS meshes)). Keeps nothing between calls; safe for any
+// bytes.
+namespace feder::meshes {
+
+// All triangles of the file as one mesh, by the end of its name: .obj, .gltf, .glb. Polygons are cut into triangles;
+// nodes of a glTF file place what they show. Lengths are taken as metres. Triangles with a vertex twice are left out.
+// Throws SceneError that names the file and the line, or the part of a glTF file, and what is wrong with it: syntax,
+// numbers that are not finite, vertices that do not exist, parts that lie outside of their buffers, no triangles.
+lua::TriangleMesh read(const lua::MeshFile& file);
+
+}  // namespace feder::meshes
