@@ -22,6 +22,8 @@ struct ClothSettings {
   std::int32_t substeps = 0, max_substeps = 0;
   std::uint32_t group = 1, mask = 0xffffffffu;
   std::uint32_t self_collision = 1, wind = 1;
+  std::uint32_t search = 0;  // of self-contact, in box_searches()
+  std::uint32_t ignores_inside = 0;
   std::uint32_t limit_free = 0;  // max_strain was set: it also applies to cloth that nothing holds
 };
 
@@ -38,6 +40,10 @@ struct ClothState {
   std::uint32_t warned = 0;            // 1: the cap of solver substeps was reported
   std::uint32_t warned_damping = 0;    // 1: so was a damping time that is too long
   std::uint32_t warned_shortfall = 0;  // 1: so was a solver that did not reach its tolerance
+  std::uint32_t tangles = 0;           // crossings with itself that the last search left
+  std::uint32_t tangled_steps = 0;     // steps since their number fell
+  std::uint32_t warned_tangles = 0;    // 1: it was reported that they stay
+  std::uint32_t suspect_steps = 0;     // steps in which it is searched because it tore or points were put somewhere
   Real load = 0;                       // kg, that rests on it
   Real pull = 0;                       // m/s^2: mean acceleration by gravity, wind and scripts in the last step
 };
@@ -61,7 +67,9 @@ struct ClothTies {
 };
 
 struct Sheet {
-  Sheet(Arena& a) : mesh(a), ties(a) {}
+  Sheet(Arena& a) : mesh(a), ties(a), edited(&a) {}
+
+  static constexpr std::uint32_t kSuspectSteps = 30;  // until contact keeps apart what touches
 
   ObjectId object;
   std::uint32_t first = 0, points = 0, total = 0;  // run in ClothVertices: visible, with hidden ones
@@ -79,6 +87,9 @@ struct Sheet {
   double bend_substeps = 1;  // ClothSolver::wanted_substeps, as last asked
   Real bend_step = -1;       // s, substep of that answer
   std::uint32_t bad_vertex = kNone;
+  // Where crossings may have arisen: all of it, or at the vertices that were put somewhere since the last step.
+  bool suspect = false;
+  Array<std::uint32_t> edited;
   Real mass = 0;                        // kg
   Vec3 gained_momentum = Vec3::Zero();  // kg m^2/s, angular momentum error of its solver in this substep
   bool any_pin = false;

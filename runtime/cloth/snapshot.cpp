@@ -29,6 +29,7 @@ void Cloth::hash(Hash& h) const {
     }
   for (const auto& s : impl_->sheets) {
     h.add(s->points), h.add(s->state.frozen), h.add(s->state.asleep), h.add(s->state.sleep_energy);
+    if (s->state.tangles) h.add(s->state.tangles), h.add(s->state.tangled_steps);
     h.add(s->flight()), h.add(s->state.load), h.add(s->state.substeps);
     h.bytes(s->solver_name.data(), s->solver_name.size());
     for (const std::uint32_t v : s->mesh.triangles) h.add(v);
@@ -71,6 +72,7 @@ void Cloth::load(Reader& r) {
     m.attach_solver(*s, name, options);
     s->solver->load(r);
     each_list(s->mesh, [&](auto& array) { r.list(array); });
+    s->suspect = true;
     m.sheets.push_back(std::move(s));
   }
   m.declare_surfaces();
