@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bounds/box_search.h"
 #include "cloth/impl.h"
 #include "feder/error.h"
 #include "forces/area.h"
@@ -204,28 +203,14 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   s->mesh.grid = desc.nx;
   const ClothStiffness stiffness{desc.stretch, desc.shear < 0 ? desc.stretch / 10 : desc.shear, desc.bend};
   const bool limit_free = desc.max_strain > 0;
-  const Variant<BoxSearch>& searched =
-      find_variant(box_searches(), desc.self.empty() ? default_box_search() : desc.self, "search of self-contact");
-  const auto search = static_cast<std::uint32_t>(&searched - box_searches().data());
-  s->settings = {stiffness,
-                 desc.area_density,
-                 desc.damping,
-                 desc.thickness,
-                 desc.friction,
-                 desc.drag,
-                 desc.lift,
-                 desc.tear_strain,
-                 max_strain_of(desc),
-                 desc.gravity_scale,
-                 desc.stretch_error,
-                 desc.substeps,
-                 desc.max_substeps,
-                 desc.group,
-                 desc.mask,
-                 desc.self_collision,
-                 desc.wind,
-                 search,
-                 desc.inside == "ignore",
+  s->search_name = desc.self.empty() ? default_box_search() : desc.self;
+  s->find_search();
+  s->settings = {stiffness,           desc.area_density,  desc.damping,
+                 desc.thickness,      desc.friction,      desc.drag,
+                 desc.lift,           desc.tear_strain,   max_strain_of(desc),
+                 desc.gravity_scale,  desc.stretch_error, desc.substeps,
+                 desc.max_substeps,   desc.group,         desc.mask,
+                 desc.self_collision, desc.wind,          desc.inside == "ignore",
                  limit_free};
   make_elements(s->mesh, rest, s->settings.stiffness);
   // pins by name, with a ghost vertex for each end of a clamped border edge

@@ -38,6 +38,7 @@ void Cloth::set_point(ObjectId id, std::size_t i, const Vec3& x) {
     s.edited.push_back(at - s.first);
   else
     s.suspect = true, s.edited.clear();
+  s.state.edited = 1;
   if (impl_->vertices.inv_mass[at] != 0) s.state.suspect_steps = Sheet::kSuspectSteps;  // pins only go with their path
 }
 

@@ -61,6 +61,7 @@ struct Cloth::Impl {
   void make_ties(Sheet& s);
   void place_ties(Sheet& s);
   Aabb suspects(const Sheet& s);
+  void show_tangles(const Sheet& s, Surface& f);
   static bool untangles(const Sheet& s);
   void read_tangles(StepContext& c);
   void declare_surfaces();

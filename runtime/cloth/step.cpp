@@ -16,8 +16,7 @@
 namespace feder {
 namespace {
 constexpr Real kMinGravity = 1;  // m/s^2, at least: weightless cloth is pulled by something else
-constexpr std::uint32_t kStepsPerRing = 20;
-constexpr double kStay = 0.9;  // hysteresis: a number that falls by less than this share stays
+constexpr double kStay = 0.9;    // hysteresis: a number that falls by less than this share stays
 
 // What to do about a cap that is too low: where the stretch law asks for the solver substeps, the stretch_error that
 // the cap can hold, in two digits upwards; and the cap itself, which has a largest value.
@@ -261,11 +260,8 @@ void Cloth::Impl::show(const Sheet& s) {
   f.fastest = std::sqrt(fastest), f.approach_speed = s.approach_speed;
   f.steps = s.state.substeps;
   f.self = s.settings.self_collision != 0;
-  if (f.self) f.suspects = suspects(s);
-  const Variant<BoxSearch>& search = box_searches()[s.settings.search];
-  if (search.name != default_box_search()) f.search = &search;
-  f.untangle_rings = s.state.tangled_steps / kStepsPerRing;
-  f.ignores_inside = s.settings.ignores_inside != 0;
+  f.search = s.search;
+  if (f.self) show_tangles(s, f);
   f.active = s.active(), f.sleep_candidate = s.state.sleep_steps != 0, f.pinned = s.any_pin;
   surfaces.list.push_back(f);
 }

@@ -6,21 +6,25 @@
 // a triangle of normal N and R points along the line into a face of the edge, edge and triangle move against each other
 // along the sum of R - 2 (E.R)/(E.N) N. A trial of all crossings is taken back for each connected bunch of them whose
 // number would grow, so the number only falls. Features that cross each other have no contact rows meanwhile, and with
-// Surface::ignores_inside no projection either, so that the owner's forces may pull them apart. Kept between steps:
-// nothing. Weak spot: where two lines end on each other, or everything crosses everything, no small move shortens them.
+// Surface::ignores_inside no projection either, so that the owner's forces may pull them apart. A surface with more
+// than most_tangles of them has no contact with itself at all until its forces
+// have sorted it out: a search ends at the first crossing too many. Cost of a step: one search of the surface, and up
+// to three per trial of what the trial moves; the owner says how many trials (6 while the number falls, 2 while it does
+// not, none at rest). Kept between steps: nothing. Weak spot: where two lines end on each other no small move shortens
+// them.
 #include "contact/tangles.h"
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "contact/impl.h"
 
 namespace feder {
 namespace {
 
-constexpr int kTrials = 6;               // a step: along the gradient and towards the neighbours in turns
 constexpr Real kTrialMove = 1;           // thicknesses, or lengths of the edge, that a trial moves a point at most
-constexpr Real kShorter = Real(0.3);     // of that, in the next two trials
+constexpr Real kShorter = Real(0.3);     // of that, in the next two trials: along the gradient, to the neighbours
 constexpr Real kLeastSlope = Real(0.1);  // of |E.N|: an edge along the triangle would ask for infinite moves
 
 CrossingMesh crossing_mesh(const Surface& s, std::span<const Vec3> points) {
@@ -119,6 +123,34 @@ void add_smoothing(const CrossingMesh& m, Tangles& t, std::uint32_t rings) {
     if (t.of[i] > 1) t.shift[i] /= static_cast<Real>(2 * (t.of[i] - 1));
 }
 
+// Bounds of the features that a trial moves, before and after.
+Aabb moved_bounds(const CrossingMesh& m, const Tangles& t) {
+  Aabb all;
+  const auto include = [&](const std::uint32_t* v, std::uint32_t count) {
+    bool any = false;
+    for (std::uint32_t k = 0; k < count; ++k) any = any || !t.shift[v[k]].isZero(0);
+    for (std::uint32_t k = 0; any && k < count; ++k) all.include(t.now[v[k]]), all.include(t.trial[v[k]]);
+  };
+  for (std::size_t k = 0; k < m.triangles.size(); k += 3) include(&m.triangles[k], 3);
+  for (std::uint32_t e = 0; e < m.edges; ++e) include(m.edge(e), 2);
+  return all;
+}
+
+// Crossings after a trial: what it moves is searched for within `where`, the others are as before.
+void find_after(const CrossingMesh& moved, const Aabb& where, Tangles& t) {
+  const auto still = [&](const Crossing& c) {
+    bool any = false;
+    each_point(moved, c, [&](std::uint32_t i) { any = any || !t.shift[i].isZero(0); });
+    return !any;
+  };
+  t.search.find(moved, where, t.after);
+  std::erase_if(t.after, still);
+  std::copy_if(t.found.begin(), t.found.end(), std::back_inserter(t.after), still);
+  std::sort(t.after.begin(), t.after.end(), [](const Crossing& p, const Crossing& q) {
+    return p.edge != q.edge ? p.edge < q.edge : p.triangle < q.triangle;
+  });
+}
+
 // Bunches of crossings that share points, before and after a trial, and how many each has.
 void count_bunches(const CrossingMesh& m, Tangles& t, bool patches) {
   const auto size = static_cast<std::uint32_t>(t.now.size());
@@ -158,9 +190,10 @@ bool SurfaceContact::Impl::try_untangle(const Surface& s, Tangles& t, Real most,
     if (size > most) t.shift[i] *= most / size;
     t.trial[i] = t.now[i] + t.shift[i];
   }
+  const Aabb where = moved_bounds(mesh, t);
   // what is taken back may cross what is not: once more, then all of it
   for (int pass = 0; pass < 3; ++pass) {
-    t.search.find(moved, bounds_of(moved.points), t.after);
+    find_after(moved, where, t);
     count_bunches(mesh, t, rings > 0);
     bool good = true;
     for (std::uint32_t i = 0; i < t.now.size(); ++i) {
@@ -186,13 +219,18 @@ void SurfaceContact::Impl::untangle(StepContext&) {
     Tangles& t = *tangles;
     t.start.resize(s.count);
     for (std::uint32_t i = 0; i < s.count; ++i) t.start[i] = current_position(s.first + i);
-    t.search.find(crossing_mesh(s, {t.start.data(), t.start.size()}), s.suspects, t.found);
+    const std::span<const Vec3> points(t.start.data(), t.start.size());
+    // where some are suspected, then all of them
+    const Aabb bounds = bounds_of(points);
+    const bool local = !contains(s.suspects, bounds);
+    t.search.find(crossing_mesh(s, points), s.suspects, t.found, s.most_tangles);
+    if (local && !t.found.empty()) t.search.find(crossing_mesh(s, points), bounds, t.found, s.most_tangles);
     s.tangles = static_cast<std::uint32_t>(t.found.size());
-    if (t.found.empty()) continue;
+    if (s.tangles > s.most_tangles) s.self = false;
+    if (t.found.empty() || !s.self) continue;
     t.now = t.start, t.trial = t.start;
-    t.search.find(crossing_mesh(s, {t.now.data(), t.now.size()}), bounds_of({t.now.data(), t.now.size()}), t.found);
     Real most = kTrialMove * s.thickness * static_cast<Real>(1 + s.untangle_rings);
-    for (int trial = 0; trial < kTrials && !t.found.empty() && !s.ignores_inside; ++trial) {
+    for (std::uint32_t trial = 0; trial < s.untangle_trials && !t.found.empty(); ++trial) {
       try_untangle(s, t, most, trial % 2 == 1);
       if (trial % 2 == 1) most *= kShorter;
     }

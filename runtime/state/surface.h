@@ -57,9 +57,12 @@ struct Surface {
   bool balls = false;                    // its points are colliders of their own for bodies
   bool coasts =
       false;  // its own solver runs once per substep: in the contact loop its points move at constant velocity
-  // Crossings of it with itself: where its owner suspects some, m (empty: nowhere), and how many contact left; kNone:
-  // it did not look. With ignores_inside what crosses is left to the owner's forces.
+  // Crossings of it with itself: where its owner suspects some, m (empty: nowhere), how many moves contact may try on
+  // them in this step, and how many it left; kNone: it did not look. More than most_tangles are not counted on: the
+  // surface then has no contact with itself in this step. With ignores_inside what crosses is left to the owner's
+  // forces.
   Aabb suspects;
+  std::uint32_t untangle_trials = 0, most_tangles = kNone - 1;
   std::uint32_t tangles = kNone;
   bool ignores_inside = false;
   // What finds its candidates of self-contact; null: swept boxes, of flat sheets only where parts of it may meet.

@@ -39,7 +39,9 @@ struct ClothDesc {
   Real thickness = Real(0.01);    // m, between two layers; half of it to bodies
   Real friction = Real(0.4);
   bool self_collision = true;
-  // What crosses itself: "guard" keeps it from crossing more and leads it out; "ignore" leaves it to the material.
+  // What crosses itself: "guard" keeps it from crossing more and leads it out; "ignore" leaves it to the material, with
+  // neither contact nor friction between the parts that cross. With more crossings than edges, both have no contact
+  // with itself until there are half as many. What does not come apart is reported by the warning `tangled`.
   std::string inside = "guard";
   std::string self;              // what finds candidates of self-contact: "swept_boxes" (when empty), "hash"
   bool wind = true;              // forces that act on areas (wind) act on it
