@@ -1,4 +1,4 @@
--- A cape on the shoulders of a figure that runs, stops and turns: it streams out behind and falls back.
+-- A cape on the shoulders of a figure that runs and stops: it streams out behind and falls back.
 local feder = require "feder"
 
 local speed = feder.param("speed", 3, { min = 0, max = 5, help = "m/s" })
