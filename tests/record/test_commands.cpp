@@ -44,11 +44,35 @@ TEST_CASE("what is logged can be done again, and nothing else", "[record][comman
 
 TEST_CASE("every method of a system that changes it is a command", "[record][commands]") {
   // those that steps, couplings or queries call, or that read
-  const std::set<std::string> others = {
-      "descriptor",  "add_passes", "load",        "held",    "drive",     "colliders",  "contacts",
-      "raycast",     "boundary",   "raycast_all", "overlap", "densities", "shape_cast", "clear_contact_states",
-      "forget",      "removed",    "set_load",    "pool_at", "surface",   "pressures",  "density_error",
-      "pressure_at", "height_at",  "set_impact",  "push",    "sample",    "clumping",   "carry"};
+  const std::set<std::string> others = {"descriptor",
+                                        "add_passes",
+                                        "load",
+                                        "held",
+                                        "drive",
+                                        "colliders",
+                                        "contacts",
+                                        "raycast",
+                                        "boundary",
+                                        "raycast_all",
+                                        "overlap",
+                                        "densities",
+                                        "shape_cast",
+                                        "clear_contact_states",
+                                        "forget",
+                                        "removed",
+                                        "set_load",
+                                        "pool_at",
+                                        "surface",
+                                        "pressures",
+                                        "density_error",
+                                        "pressure_at",
+                                        "height_at",
+                                        "set_impact",
+                                        "set_beside_body",
+                                        "push",
+                                        "sample",
+                                        "clumping",
+                                        "carry"};
   struct Header {
     const char *file, *system;
   };
