@@ -12,6 +12,7 @@
 #include <cstddef>
 
 #include "cloth/impl.h"
+#include "state/angular_momentum.h"
 
 namespace feder {
 namespace {
@@ -313,20 +314,10 @@ void Cloth::Impl::remove_gained_momentum(Sheet& s) {
   const Vec3 gained_momentum = s.gained_momentum;
   s.gained_momentum = Vec3::Zero();
   const Vec3 near = current_position(s.first);
-  Vec3 middle = Vec3::Zero();  // centre of mass, from there
-  for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
-    middle += vertices.mass[i] * (current_position(i) - near);
-  middle /= s.mass;
-  Mat3 inertia = Mat3::Zero();
-  for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
-    const Vec3 r = current_position(i) - near - middle;
-    inertia -= vertices.mass[i] * (r * r.transpose());
-  }
-  inertia.diagonal().array() -= inertia.trace();
-  const Vec3 angular_velocity = inverse(inertia) * gained_momentum;  // rad/s
-  if (!is_finite(angular_velocity)) return;                          // a sheet without extent, or one that has gone bad
-  for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
-    velocity[i].add(-cross(angular_velocity, current_position(i) - near - middle));
+  take_out_spin(
+      gained_momentum, s.points, s.mass, 0, [&](std::uint32_t i) { return vertices.mass[s.first + i]; },
+      [&](std::uint32_t i) { return Vec3(current_position(s.first + i) - near); },
+      [&](std::uint32_t i, const Vec3& change) { velocity[s.first + i].add(change); });
 }
 
 void Cloth::Impl::advance(StepContext& c) {

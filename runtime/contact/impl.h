@@ -107,7 +107,8 @@ struct SurfaceContact::Impl {
   // links.cpp
   void sync_links();
   void mark_ring(const Surface& s, std::uint32_t point, std::uint32_t mark);
-  void warn_of_gap(SurfaceLink& l, const HeldLink& h, StepContext& c);
+  std::string point_name(std::uint32_t point, ObjectId of) const;
+  void warn_of_nothing(SurfaceLink& l, StepContext& c);
   bool linked(const std::uint32_t (&v)[4], bool edges) const;
 
   // rows.cpp

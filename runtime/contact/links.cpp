@@ -5,7 +5,7 @@
 // between the two sides' own solvers, so a force F leaves a gap of about F h^2/m.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <string>
 
 #include "contact/impl.h"
 
@@ -34,6 +34,21 @@ void SurfaceContact::Impl::mark_ring(const Surface& s, std::uint32_t point, std:
   }
 }
 
+std::string SurfaceContact::Impl::point_name(std::uint32_t point, ObjectId of) const {
+  return "point " + std::to_string(point + 1) + " of " + objects.describe(of);
+}
+
+// A net without a radius has no surface to hold on to, and a point may be one that its object does not have.
+void SurfaceContact::Impl::warn_of_nothing(SurfaceLink& l, StepContext& c) {
+  if (l.warned) return;
+  l.warned = 1;
+  c.events->warn(
+      "attachment_lost",
+      point_name(l.point, l.a) + " is attached to " + point_name(l.other, l.b) +
+          ", which nothing can be held to: it takes a point that collides, such as of a net with radius above 0",
+      l.a);
+}
+
 void SurfaceContact::Impl::connect_links(StepContext& c) {
   sync_links();
   held_links.clear();
@@ -55,34 +70,23 @@ void SurfaceContact::Impl::connect_links(StepContext& c) {
       surfaces.anchors.push_back({h.a, list[h.a].first + l.point, l.b});
       continue;
     }
-    if (h.b == kNone || l.other >= list[h.b].count) continue;
+    if (h.b == kNone || l.other >= list[h.b].count) {
+      warn_of_nothing(l, c);
+      continue;
+    }
     h.p = list[h.a].first + l.point, h.q = list[h.b].first + l.other;
     surfaces.connections.push_back({h.a, h.b, 0});
     const std::uint32_t mark = 1u << (k % kMarks);
     mark_ring(list[h.a], l.point, mark), mark_ring(list[h.b], l.other, mark);
     held_links.push_back(h);
-    warn_of_gap(l, h, c);
+    const Real gap = length(Vec3(position[h.p] - position[h.q]));
+    link_gap = std::max(link_gap, double(gap));
+    warn_of_gap(l, surfaces, list[h.a], gap, point_name(l.other, l.b), objects, *c.events);
     // what moves wakes what it is held to
     for (const auto& [sleeper, other] : {std::pair(h.a, h.b), std::pair(h.b, h.a)})
       if (!list[sleeper].active && list[other].active && !list[other].sleep_candidate)
         wake(list[sleeper].object, list[other].object);
   }
-}
-
-void SurfaceContact::Impl::warn_of_gap(SurfaceLink& l, const HeldLink& h, StepContext& c) {
-  const Real gap = length(Vec3(position[h.p] - position[h.q]));
-  link_gap = std::max(link_gap, double(gap));
-  if (l.warned) return;
-  const Real edge = mean_edge(surfaces, list[h.a]);
-  if (!(gap > kLinkGap * edge)) return;
-  l.warned = 1;
-  char numbers[96];
-  std::snprintf(numbers, sizeof numbers, "%.3g mm, %.3g mean edges", double(1000 * gap), double(gap / edge));
-  c.events->warn("attachment_gap",
-                 objects.describe(l.a) + " point " + std::to_string(l.point + 1) + " is held to point " +
-                     std::to_string(l.other + 1) + " of " + objects.describe(l.b) + " from a distance of " + numbers +
-                     ": put the two together before attaching, or take more substeps where a load pulls them apart",
-                 l.a);
 }
 
 void SurfaceContact::Impl::solve_links(StepContext& c) {

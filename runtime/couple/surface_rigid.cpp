@@ -250,27 +250,12 @@ void SurfaceRigid::hold_links(StepContext& c) {
     surfaces_.groups[at->loop]->use_body(k.solver_index);
     surfaces_.groups[at->loop]->attachments.push_back(k);
     if (c.substep > 0) continue;
-    warn_of_gap(l, *at, length(k.error), c);
+    warn_of_gap(l, surfaces_, *at, length(k.error), "a place of " + objects_.describe(l.b), objects_, *c.events);
     if (b.type[body] != BodyType::dynamic) continue;
     if (!at->active && b.awake[body] && b.sleep_energy[body] > kStill * kStill)
       surfaces_.wakes.push_back({l.a, l.b, WakeCause::contact});
     if (at->active && !at->sleep_candidate && !b.awake[body]) rigid_.wake(l.b, at->wakes, l.a);
   }
-}
-
-void SurfaceRigid::warn_of_gap(SurfaceLink& l, const Surface& s, Real gap, StepContext& c) {
-  if (l.warned) return;
-  const Real edge = mean_edge(surfaces_, s);
-  if (!(gap > kLinkGap * edge)) return;
-  l.warned = 1;
-  char numbers[96];
-  std::snprintf(numbers, sizeof numbers, "%.3g mm, %.3g mean edges", static_cast<double>(1000 * gap),
-                static_cast<double>(gap / edge));
-  c.events->warn("attachment_gap",
-                 objects_.describe(l.a) + " point " + std::to_string(l.point + 1) + " is held to a place of " +
-                     objects_.describe(l.b) + " from a distance of " + numbers +
-                     ": put the two together before attaching, or take more substeps where a load pulls them apart",
-                 l.a);
 }
 
 // Impulses of the rows of this substep, for the contact states.

@@ -73,13 +73,19 @@ class SurfaceRigid final : public System {
   void measure_pin(const Candidate& k, const BodyPose& at, Real radius);
   void warn_of_pins(const Surface& surface, std::uint32_t collider, StepContext& c);
   SurfaceLinks* links_of() const { return store_.find<SurfaceLinks>(); }
-  void warn_of_gap(SurfaceLink& l, const Surface& s, Real gap, StepContext& c);
   bool anchored(std::uint32_t point, ObjectId body) const;
   void wake(Surface& surface, ObjectId by);
   BodyPose body_pose(std::uint32_t collider) const;
   void point_rows(const Candidate& k, const BodyPose& at, StepContext& c);
   void triangle_rows(const Candidate& k, const BodyPose& at, StepContext& c);
   void segment_rows(const Candidate& k, const BodyPose& at, StepContext& c);
+  // Travel of a part relative to the body in the speculative time, m: mean, least and largest of its corners.
+  struct Travel {
+    Vec3 mean;
+    Real least, most;
+  };
+  template <class F>
+  void meet(const Candidate& k, const BodyPose& at, const Shape& shape, const Vec3& a, const Travel& way, F&& add);
   void add_row(const Candidate& k, const BodyPose& at, const std::uint32_t (&v)[3], const Real (&weight)[3],
                const Vec3& normal, Real gap, const Vec3& point);
   std::uint32_t state_of(const Surface& surface, ObjectId body);

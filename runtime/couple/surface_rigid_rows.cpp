@@ -192,6 +192,39 @@ void SurfaceRigid::point_rows(const Candidate& k, const BodyPose& at, StepContex
   }
 }
 
+// Where a part of a surface at `a` meets the body: fast, at the time of impact, else in the speculative contacts.
+// add(normal, gap, nearest, between): nearest point of the part; between its corners, which have rows of their own.
+template <class F>
+void SurfaceRigid::meet(const Candidate& k, const BodyPose& at, const Shape& shape, const Vec3& a, const Travel& way,
+                        F&& add) {
+  const Surface& info = surfaces_.list[k.surface];
+  const Real radius = Real(0.5) * info.thickness;
+  const Shape& body = *colliders_.shape[k.collider];
+  if (way.least > radius + kCastShare * smallest_[k.collider]) {
+    CastHit hit;
+    if (shape_cast(shape, {a, Quat{}}, way.mean, body, at.pose, hit) && hit.fraction > 0) {
+      const Real closing = -dot(hit.normal, way.mean);
+      if (closing > 0)
+        add(hit.normal, hit.fraction * closing, hit.point + radius * hit.normal - hit.fraction * way.mean, false);
+      return;
+    }
+  }
+  Manifold m[kMaxManifolds];
+  PairCache cache;
+  const Real speculative_distance = info.coasts ? kSpeculativeDistanceCoasting : kSpeculativeDistance;
+  const Real margin = std::min(way.most, radius + smallest_[k.collider]) + speculative_distance * info.thickness;
+  Aabb near = shape.bounds({a, Quat{}});
+  near.grow(margin);
+  if (!overlaps(near, at.box)) return;
+  const int count = collide_.narrow().collide(shape, {a, Quat{}}, body, at.pose, margin, cache, m);
+  for (int i = 0; i < count; ++i)
+    for (int j = 0; j < m[i].count; ++j) {
+      // from midway between the surfaces to the part: a push beside the normal would spin a ball
+      const ManifoldPoint& p = m[i].points[j];
+      add(-m[i].normal, p.separation, p.position - (radius + p.separation / 2) * m[i].normal, true);
+    }
+}
+
 void SurfaceRigid::triangle_rows(const Candidate& k, const BodyPose& at, StepContext& c) {
   const Surface& info = surfaces_.list[k.surface];
   FEDER_ASSERT(3 * k.index + 2 < info.triangles.size());
@@ -211,38 +244,14 @@ void SurfaceRigid::triangle_rows(const Candidate& k, const BodyPose& at, StepCon
     const Real far = length(Vec3(speculative_time_ * u + fall));
     least_travel = std::min(least_travel, far), most_travel = std::max(most_travel, far);
   }
-  // fast: the row of the time of impact
-  const Real radius = Real(0.5) * info.thickness;
-  const Real cast_travel = radius + kCastShare * smallest_[k.collider];  // m, from which on it is cast
-  const SurfaceTriangle shape(b, e, radius);
-  const Shape& body = *colliders_.shape[k.collider];
-  Real weight[3];
-  if (least_travel > cast_travel) {
-    CastHit hit;
-    if (shape_cast(shape, {a, Quat{}}, travel, body, at.pose, hit) && hit.fraction > 0) {
-      const Real closing = -dot(hit.normal, travel);
-      nearest_weights(hit.point + radius * hit.normal - hit.fraction * travel - a, b, e, weight);
-      if (closing > 0) add_row(k, at, v, weight, hit.normal, hit.fraction * closing, a + weight[1] * b + weight[2] * e);
-      return;
-    }
-  }
-  // speculative contacts between the corners
-  Manifold m[kMaxManifolds];
-  PairCache cache;
-  const Real speculative_distance = info.coasts ? kSpeculativeDistanceCoasting : kSpeculativeDistance;
-  const Real margin = std::min(most_travel, radius + smallest_[k.collider]) + speculative_distance * info.thickness;
-  Aabb near = shape.bounds({a, Quat{}});
-  near.grow(margin);
-  if (!overlaps(near, at.box)) return;
-  const int count = collide_.narrow().collide(shape, {a, Quat{}}, body, at.pose, margin, cache, m);
-  for (int i = 0; i < count; ++i)
-    for (int j = 0; j < m[i].count; ++j) {
-      // from midway between the surfaces to the triangle: a push beside the normal would spin a ball
-      const ManifoldPoint& p = m[i].points[j];
-      nearest_weights(p.position - (radius + p.separation / 2) * m[i].normal - a, b, e, weight);
-      if (std::max({weight[0], weight[1], weight[2]}) > kCorner) continue;
-      add_row(k, at, v, weight, -m[i].normal, p.separation, a + weight[1] * b + weight[2] * e);
-    }
+  const SurfaceTriangle shape(b, e, Real(0.5) * info.thickness);
+  meet(k, at, shape, a, {travel, least_travel, most_travel},
+       [&](const Vec3& normal, Real gap, const Vec3& nearest, bool between) {
+         Real weight[3];
+         nearest_weights(nearest - a, b, e, weight);
+         if (between && std::max({weight[0], weight[1], weight[2]}) > kCorner) return;
+         add_row(k, at, v, weight, normal, gap, a + weight[1] * b + weight[2] * e);
+       });
 }
 
 // A segment gives rows where a shape meets it between its ends, which have rows of their own.
@@ -261,38 +270,14 @@ void SurfaceRigid::segment_rows(const Candidate& k, const BodyPose& at, StepCont
                            speculative_time_ * (surfaces_.velocity[v[1]].vec() - body_velocity) + fall};
   const Real far[2] = {length(travels[0]), length(travels[1])};
   const Vec3 travel = (travels[0] + travels[1]) / 2;
-  const Real radius = Real(0.5) * info.thickness;
-  const Real cast_travel = radius + kCastShare * smallest_[k.collider];  // m, from which on it is cast
-  const SurfaceSegment shape(b, radius);
-  const Shape& body = *colliders_.shape[k.collider];
-  const auto add = [&](const Vec3& normal, Real gap, const Vec3& nearest, bool between) {
-    const Real share = clamp(dot(nearest - a, b) / bb, 0, 1);
-    if (between && std::max(share, 1 - share) > kCorner) return;
-    const Real weight[3] = {1 - share, share, 0};
-    add_row(k, at, v, weight, normal, gap, a + share * b);
-  };
-  if (std::min(far[0], far[1]) > cast_travel) {
-    CastHit hit;
-    if (shape_cast(shape, {a, Quat{}}, travel, body, at.pose, hit) && hit.fraction > 0) {
-      const Real closing = -dot(hit.normal, travel);
-      if (closing > 0)
-        add(hit.normal, hit.fraction * closing, hit.point + radius * hit.normal - hit.fraction * travel, false);
-      return;
-    }
-  }
-  Manifold m[kMaxManifolds];
-  PairCache cache;
-  const Real margin =
-      std::min(std::max(far[0], far[1]), radius + smallest_[k.collider]) + kSpeculativeDistance * info.thickness;
-  Aabb near = shape.bounds({a, Quat{}});
-  near.grow(margin);
-  if (!overlaps(near, at.box)) return;
-  const int count = collide_.narrow().collide(shape, {a, Quat{}}, body, at.pose, margin, cache, m);
-  for (int i = 0; i < count; ++i)
-    for (int j = 0; j < m[i].count; ++j) {
-      const ManifoldPoint& p = m[i].points[j];
-      add(-m[i].normal, p.separation, p.position - (radius + p.separation / 2) * m[i].normal, true);
-    }
+  const SurfaceSegment shape(b, Real(0.5) * info.thickness);
+  meet(k, at, shape, a, {travel, std::min(far[0], far[1]), std::max(far[0], far[1])},
+       [&](const Vec3& normal, Real gap, const Vec3& nearest, bool between) {
+         const Real share = clamp(dot(nearest - a, b) / bb, 0, 1);
+         if (between && std::max(share, 1 - share) > kCorner) return;
+         const Real weight[3] = {1 - share, share, 0};
+         add_row(k, at, v, weight, normal, gap, a + share * b);
+       });
 }
 
 }  // namespace feder

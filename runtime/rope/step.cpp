@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "rope/impl.h"
+#include "state/angular_momentum.h"
 
 namespace feder {
 namespace {
@@ -323,19 +324,10 @@ void Rope::Impl::remove_gained_momentum(Line& l) {
     return Vec3(surfaces.position[s.first + i] - surfaces.position[s.first] +
                 surfaces.delta_position[s.first + i].vec());
   };
-  Vec3 middle = Vec3::Zero();
-  for (std::uint32_t i = 0; i < l.size(); ++i) middle += l.mass[i] * place(i);
-  middle /= l.total_mass;
-  Mat3 inertia = Mat3::Zero();
-  for (std::uint32_t i = 0; i < l.size(); ++i) {
-    const Vec3 r = place(i) - middle;
-    inertia -= l.mass[i] * (r * r.transpose());
-  }
-  inertia.diagonal().array() -= Real(1.0001) * inertia.trace();  // a straight rope has none about its axis
-  const Vec3 angular_velocity = inverse(inertia) * gained;       // rad/s
-  if (!is_finite(angular_velocity)) return;
-  for (std::uint32_t i = 0; i < l.size(); ++i)
-    surfaces.velocity[s.first + i].add(-cross(angular_velocity, place(i) - middle));
+  constexpr Real kRound = Real(0.0001);  // a straight rope has no inertia about its axis
+  take_out_spin(
+      gained, l.size(), l.total_mass, kRound, [&](std::uint32_t i) { return l.mass[i]; }, place,
+      [&](std::uint32_t i, const Vec3& change) { surfaces.velocity[s.first + i].add(change); });
 }
 
 void Rope::Impl::read_velocities(StepContext& c) {

@@ -1,6 +1,9 @@
 // Links of surfaces: a point of a soft thing held to a point of another, or to a place on a body. Kept between steps by
 // contact, which holds surfaces to each other; the coupling with bodies reads those to bodies.
 #pragma once
+#include <string>
+
+#include "feder/events.h"
 #include "feder/memory.h"
 #include "feder/object.h"
 #include "feder/types.h"
@@ -36,19 +39,9 @@ void hold_point(Store& store, const Objects& objects, ObjectId a, std::size_t i,
 // Ends all links of that point; false when there are none.
 bool release_point(Store& store, const Objects& objects, ObjectId a, std::size_t i);
 
-// A gap that is reported, in mean edges of the surface whose point is attached.
-inline constexpr Real kLinkGap = Real(0.5);
-
-// The mean length of its edges now, m; its thickness where it has none with a length.
-inline Real mean_edge(const Surfaces& all, const Surface& s) {
-  Real sum = 0;
-  std::uint32_t count = 0;
-  const std::uint32_t* ends = s.edges.ends;
-  for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride) {
-    if (ends[0] == ends[1]) continue;
-    sum += length(Vec3(all.position[s.first + ends[0]] - all.position[s.first + ends[1]])), ++count;
-  }
-  return count > 0 ? sum / static_cast<Real>(count) : s.thickness;
-}
+// Reports once what is held apart by more than half of the mean edge of the surface `s`, whose point it is; `to` names
+// the other side.
+void warn_of_gap(SurfaceLink& l, const Surfaces& all, const Surface& s, Real gap, const std::string& to,
+                 const Objects& objects, Events& events);
 
 }  // namespace feder

@@ -17,6 +17,14 @@ inline ClothDesc sheet(std::uint32_t nx, std::uint32_t ny, Real width, Real heig
   return d;
 }
 
+inline WorldDesc weightless() {  // and without air
+  WorldDesc wd;
+  wd.gravity = Vec3(0, 0, 0);
+  wd.sleeping = false;
+  wd.options.set("air_density", 0.0);
+  return wd;
+}
+
 inline double component(const Vec3& v, int k) { return static_cast<double>(v[k]); }
 
 // All velocities to zero: the quickest way to rest for what swings slowly.

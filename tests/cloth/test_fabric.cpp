@@ -10,14 +10,6 @@ using namespace feder::test;
 
 namespace {
 
-WorldDesc weightless_fabric() {
-  WorldDesc wd;
-  wd.gravity = Vec3(0, 0, 0);
-  wd.sleeping = false;
-  wd.options.set("air_density", 0.0);
-  return wd;
-}
-
 // Young's modulus of the orthotropic plane with moduli e1, e2 and shear s at an angle of 45 degrees, N/m.
 double modulus_across_threads(double e1, double e2, double s) {
   const double c11 = 0.5 * (e1 + std::sqrt(e1 * e1 + 4 * s * s * e1 / e2)), c22 = c11 * e2 / e1,
@@ -27,7 +19,7 @@ double modulus_across_threads(double e1, double e2, double s) {
 
 // Strain of the middle of a sheet that is held at its left or top side and pulled at the other, by N/m.
 double stretched(const char* solver, const ClothDesc& d, bool along_x, double pull) {
-  World w(weightless_fabric(), kClothOnly);
+  World w(weightless(), kClothOnly);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc sheet = d;
   sheet.solver = solver;
@@ -68,7 +60,7 @@ TEST_CASE("a sheet stretches by warp along x and by weft along z", "[cloth][fabr
 TEST_CASE("at 45 degrees to its threads a fabric has the modulus of an orthotropic plane", "[cloth][fabric]") {
   // the energy of a homogeneous strain at 45 degrees against the compliance of the plane: a pull of unit tension
   const double e1 = 3000, e2 = 800, s = 200;
-  World w(weightless_fabric(), kClothOnly);
+  World w(weightless(), kClothOnly);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d = sheet(21, 21, 1, 1);
   d.warp = Real(e1), d.weft = Real(e2), d.shear = Real(s), d.bend = 0;
@@ -89,7 +81,7 @@ TEST_CASE("at 45 degrees to its threads a fabric has the modulus of an orthotrop
 TEST_CASE("a mesh has the stiffness of its threads by warp_axis", "[cloth][fabric]") {
   // one strip of two triangles: the long edges along the axis, or across it
   const bool along = GENERATE(true, false);
-  World w(weightless_fabric(), kClothOnly);
+  World w(weightless(), kClothOnly);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d;
   d.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 0, 1}, {0, 0, 1}};
@@ -106,7 +98,7 @@ TEST_CASE("a mesh has the stiffness of its threads by warp_axis", "[cloth][fabri
 }
 
 TEST_CASE("fabrics that cannot be are refused", "[cloth][fabric]") {
-  World w(weightless_fabric(), kClothOnly);
+  World w(weightless(), kClothOnly);
   Cloth& cloth = w.need<Cloth>();
   const auto refused = [&](auto&& change, const char* what) {
     ClothDesc d = sheet(5, 5, 1, 1);
@@ -127,7 +119,7 @@ TEST_CASE("strain beyond the yield flows into the rest lengths, and stored energ
   const int row = GENERATE(range(0, static_cast<int>(cloth_solvers().size())));
   const char* solver = cloth_solvers()[static_cast<std::size_t>(row)].name;
   CAPTURE(solver);
-  World w(weightless_fabric(), kClothOnly);
+  World w(weightless(), kClothOnly);
   ClothDesc d = sheet(5, 5, Real(0.4), Real(0.4));
   d.solver = solver;
   d.yield = Real(0.02), d.flow = 2;
@@ -184,7 +176,7 @@ TEST_CASE("a sheet that hangs and flows goes on from a snapshot as it was", "[cl
 TEST_CASE("a fold flows into the rest angles", "[cloth][plastic]") {
   const char* solver = GENERATE("xpbd", "vbd", "implicit");
   CAPTURE(solver);
-  World w(weightless_fabric(), kClothOnly);
+  World w(weightless(), kClothOnly);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d = sheet(5, 3, Real(0.4), Real(0.2));
   d.solver = solver;
@@ -206,7 +198,7 @@ TEST_CASE("a curved rest shape is kept without gravity", "[cloth][curved]") {
   const char* solver = cloth_solvers()[static_cast<std::size_t>(row)].name;
   const bool bowl = GENERATE(true, false);
   CAPTURE(solver, bowl);
-  World w(weightless_fabric(), kClothOnly);
+  World w(weightless(), kClothOnly);
   Cloth& cloth = w.need<Cloth>();
   ClothDesc d;
   if (bowl) {

@@ -10,14 +10,6 @@ using namespace feder::test;
 
 namespace {
 
-WorldDesc weightless() {
-  WorldDesc wd;
-  wd.gravity = Vec3(0, 0, 0);
-  wd.sleeping = false;
-  wd.options.set("air_density", 0.0);
-  return wd;
-}
-
 int warnings(World& w, std::string_view code) {
   int count = 0;
   for (const Event& e : w.events().list()) count += e.kind == EventKind::warning && w.events().warning_code(e) == code;

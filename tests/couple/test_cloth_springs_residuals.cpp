@@ -1,20 +1,14 @@
 // Every residual of cloth, nets and their contacts with bodies: made to be something, and right.
 #include <cmath>
 
+#include "cloth/sheets.h"
 #include "couple/all_but_fluid.h"
 #include "support/catch.h"
 
 using namespace feder;
+using namespace feder::test;
 
 namespace {
-
-WorldDesc weightless() {
-  WorldDesc d;
-  d.gravity = Vec3(0, 0, 0);
-  d.sleeping = false;
-  d.options.set("air_density", 0.0);
-  return d;
-}
 
 double residual(const World& w, std::string_view name) {
   for (const Residual& r : w.residuals())
