@@ -40,7 +40,7 @@ LONG = ("scenes/rigid/ragdolls.lua --world rigid.solver=impulse", "scenes/rigid/
         "scenes/study/u_tube.lua", "scenes/rigid/wall.lua --set rows=8 --set length=12 --world rigid.solver=impulse",
         "scenes/rigid/pyramid.lua --world rigid.solver=impulse", "scenes/fluid/bottle.lua",
         "scenes/fluid/rain_on_pond.lua", "scenes/fluid/fountain.lua", "scenes/fluid/dam_break.lua",
-        "scenes/fluid/honey.lua", "scenes/fluid/sluice.lua", "scenes/fluid/wave_tank.lua", "scenes/cloth/fold.lua",
+        "scenes/fluid/honey.lua", "scenes/fluid/sluice.lua", "scenes/fluid/wave_tank.lua", "scenes/cloth/fold.lua --set rows=20",
         "scenes/study/honey_fold.lua --set particles=40", "scenes/study/siphon.lua --set particles=40",
         *(f"{PAIR} --set below=cloth --set above=fluid --set cloth=implicit --set fluid={fluid}"
           for fluid in ("pbf", "wcsph", "dfsph")))
