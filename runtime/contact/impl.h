@@ -76,8 +76,11 @@ struct SurfaceContact::Impl {
     std::uint32_t link = 0, a = 0, b = 0, p = 0, q = 0;  // in SurfaceLinks; surfaces; points of Surfaces
   };
   Array<HeldLink> held_links{&arena};
-  Array<std::uint32_t> link_marks{&arena};  // by point: bits of links that it lies round; empty: there are none
-  double link_gap = 0;                      // m, the largest
+  // By point: `link_words` words of bits, of the links that it lies round; empty: there are none.
+  Array<std::uint32_t> link_marks{&arena};
+  std::uint32_t link_words = 0;
+  Array<std::uint32_t> link_at{&arena}, next_at{&arena};  // work memory of mark_rings
+  double link_gap = 0;                                    // m, the largest
 
   // Passes: of the step, of the substep, of the loop of solver substeps, of the step.
   void begin_step(StepContext& c);
@@ -106,7 +109,7 @@ struct SurfaceContact::Impl {
 
   // links.cpp
   void sync_links();
-  void mark_ring(const Surface& s, std::uint32_t point, std::uint32_t mark);
+  void mark_rings();
   std::string point_name(std::uint32_t point, ObjectId of) const;
   void warn_of_nothing(SurfaceLink& l, StepContext& c);
   bool linked(const std::uint32_t (&v)[4], bool edges) const;

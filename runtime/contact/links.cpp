@@ -12,8 +12,8 @@
 namespace feder {
 namespace {
 
-constexpr Real kLinkSpeed = 3;  // m/s
-constexpr std::uint32_t kMarks = 32;
+constexpr Real kLinkSpeed = 3;        // m/s
+constexpr std::uint32_t kMarks = 32;  // in a word
 
 }  // namespace
 
@@ -24,13 +24,31 @@ void SurfaceContact::Impl::sync_links() {
     std::erase_if(links->list, [&](const SurfaceLink& l) { return !objects.alive(l.a) || !objects.alive(l.b); });
 }
 
-// Points of the surface within one edge of `point`, and itself, get a mark.
-void SurfaceContact::Impl::mark_ring(const Surface& s, std::uint32_t point, std::uint32_t mark) {
-  link_marks[s.first + point] |= mark;
-  const std::uint32_t* ends = s.edges.ends;
-  for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride) {
-    if (ends[0] == point) link_marks[s.first + ends[1]] |= mark;
-    if (ends[1] == point) link_marks[s.first + ends[0]] |= mark;
+// Marks of points: the links whose ends they are, or lie within one edge of.
+void SurfaceContact::Impl::mark_rings() {
+  link_words = (static_cast<std::uint32_t>(held_links.size()) + kMarks - 1) / kMarks;
+  link_marks.assign(std::size_t(surfaces.size()) * link_words, 0);
+  link_at.assign(surfaces.size(), kNone), next_at.assign(2 * held_links.size(), kNone);
+  const auto mark = [&](std::uint32_t point, std::uint32_t link) {
+    link_marks[std::size_t(point) * link_words + link / kMarks] |= 1u << (link % kMarks);
+  };
+  // ends of links by point, in chains: 2 k and 2 k + 1 are those of link k
+  for (std::uint32_t k = 0; k < held_links.size(); ++k)
+    for (std::uint32_t side = 0; side < 2; ++side) {
+      const std::uint32_t point = side ? held_links[k].q : held_links[k].p;
+      next_at[2 * k + side] = link_at[point], link_at[point] = 2 * k + side;
+      mark(point, k);
+    }
+  const auto pass_on = [&](std::uint32_t from, std::uint32_t to) {
+    for (std::uint32_t e = link_at[from]; e != kNone; e = next_at[e]) mark(to, e / 2);
+  };
+  for (std::uint32_t n = 0; n < list.size(); ++n) {
+    const Surface& s = list[n];
+    if (std::none_of(held_links.begin(), held_links.end(), [&](const HeldLink& h) { return h.a == n || h.b == n; }))
+      continue;
+    const std::uint32_t* ends = s.edges.ends;
+    for (std::uint32_t e = 0; e < s.edges.count; ++e, ends += s.edges.stride)
+      pass_on(s.first + ends[0], s.first + ends[1]), pass_on(s.first + ends[1], s.first + ends[0]);
   }
 }
 
@@ -52,7 +70,6 @@ void SurfaceContact::Impl::warn_of_nothing(SurfaceLink& l, StepContext& c) {
 void SurfaceContact::Impl::connect_links(StepContext& c) {
   sync_links();
   held_links.clear();
-  link_marks.assign(surfaces.size(), 0);
   link_gap = 0;
   SurfaceLinks& links = store.get<SurfaceLinks>();
   for (std::uint32_t k = 0; k < links.list.size(); ++k) {
@@ -76,8 +93,6 @@ void SurfaceContact::Impl::connect_links(StepContext& c) {
     }
     h.p = list[h.a].first + l.point, h.q = list[h.b].first + l.other;
     surfaces.connections.push_back({h.a, h.b, 0});
-    const std::uint32_t mark = 1u << (k % kMarks);
-    mark_ring(list[h.a], l.point, mark), mark_ring(list[h.b], l.other, mark);
     held_links.push_back(h);
     const Real gap = length(Vec3(position[h.p] - position[h.q]));
     link_gap = std::max(link_gap, double(gap));
@@ -87,6 +102,7 @@ void SurfaceContact::Impl::connect_links(StepContext& c) {
       if (!list[sleeper].active && list[other].active && !list[other].sleep_candidate)
         wake(list[sleeper].object, list[other].object);
   }
+  mark_rings();
 }
 
 void SurfaceContact::Impl::solve_links(StepContext& c) {
@@ -111,9 +127,15 @@ void SurfaceContact::Impl::solve_links(StepContext& c) {
 
 // Do features with these points lie round the two ends of a link?
 bool SurfaceContact::Impl::linked(const std::uint32_t (&v)[4], bool edges) const {
-  const std::uint32_t a = edges ? link_marks[v[0]] | link_marks[v[1]] : link_marks[v[0]];
-  const std::uint32_t b = link_marks[v[2]] | link_marks[v[3]] | (edges ? 0 : link_marks[v[1]]);
-  return (a & b) != 0;
+  const auto marks = [&](std::uint32_t i, std::uint32_t word) {
+    return link_marks[std::size_t(v[i]) * link_words + word];
+  };
+  for (std::uint32_t w = 0; w < link_words; ++w) {
+    const std::uint32_t a = marks(0, w) | (edges ? marks(1, w) : 0);
+    const std::uint32_t b = marks(2, w) | marks(3, w) | (edges ? 0 : marks(1, w));
+    if ((a & b) != 0) return true;
+  }
+  return false;
 }
 
 }  // namespace feder
