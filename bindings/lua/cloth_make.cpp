@@ -1,5 +1,6 @@
 // world:cloth{ ... }: a sheet or a mesh, its stiffness, pins, and what it does with bodies and itself.
 
+#include "bounds/box_search.h"
 #include "cloth/solver.h"
 #include "lua/buffer.h"
 #include "lua/cloth_part.h"
@@ -155,6 +156,21 @@ void read_solver(Options& o, const OptionRow&, ClothReading& desc) {
 
 std::string show_solver(const ClothReading& desc) { return print_value(desc.solver); }
 
+void read_self(Options& o, const OptionRow&, ClothReading& desc) {
+  if (o.text("self", desc.self)) find_variant(box_searches(), desc.self, "search of self-contact");
+}
+
+std::string show_self(const ClothReading&) { return print_value(default_box_search()); }
+
+std::string inside_names() { return "guard, ignore"; }
+
+void read_inside(Options& o, const OptionRow&, ClothReading& desc) {
+  if (o.text("inside", desc.inside) && desc.inside != "guard" && desc.inside != "ignore")
+    o.raise("inside", "expected 'guard' or 'ignore', got '" + desc.inside + "'");
+}
+
+std::string show_inside(const ClothReading& desc) { return print_value(desc.inside); }
+
 void read_integrator(Options& o, const OptionRow&, ClothReading& desc) {
   std::string integrator;
   if (o.text("integrator", integrator)) desc.solver_options.set("integrator", integrator);
@@ -180,6 +196,8 @@ constexpr Option<ClothReading> kCloth[] = {
     field<&ClothDesc::thickness>("thickness", "m", kPositive),
     field<&ClothDesc::friction>("friction", "", kNotNegative),
     field<&ClothDesc::self_collision>("self_collision"),
+    {{.name = "self"}, "string", read_self, show_self, nullptr, names_of<box_searches>},
+    {{.name = "inside"}, "string", read_inside, show_inside, nullptr, inside_names},
     {{.name = "wind"}, "boolean or table", read_wind, nullptr, rows_of<kWind>},
     field<&ClothDesc::tear_strain>("tear_strain", "", kPositive),
     {{.name = "max_strain", .range = kPositive}, "number or false", read_max_strain},

@@ -30,6 +30,7 @@ std::span<const ToggleInfo> toggle_list() {
       {"labels", "names", &Toggles::labels},
       {"marks", "events of the step", &Toggles::marks},
       {"plots", "energy and penetration", &Toggles::plots},
+      {"temporal", "cloth smoothed over frames where it trembles, by at most its thickness", &Toggles::temporal},
   };
   return list;
 }

@@ -28,6 +28,7 @@ struct Toggles {
   bool labels = false;                      // names
   bool marks = false;                       // this step's events
   bool plots = false;                       // energy, penetration
+  bool temporal = false;                    // cloth that trembles is drawn at rest
   std::size_t liquid_limit = kLiquidLimit;  // particles of a fluid in space up to which its surface is built
   int volume_level = 0;                     // below the volume of the whole
   const char* point_scalar = "speed";       // what colours points: "speed", "density", "pressure", "none"

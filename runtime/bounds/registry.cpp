@@ -1,4 +1,5 @@
-// The tables of volumes and of builds, generated from the feder_variant(bounds ...) lines.
+// The tables of volumes, of builds and of searches, generated from the feder_variant(bounds ...) lines.
+#include "bounds/box_search.h"
 #include "bounds/volume.h"
 #include "feder/error.h"
 #include "feder/params.h"
@@ -9,6 +10,8 @@ using Row = VolumeKind;
 #include "bounds_declare.inc"
 using RowOfbuilds = TreeBuild;
 #include "bounds_builds_declare.inc"
+using RowOfsearches = Variant<BoxSearch>;
+#include "bounds_searches_declare.inc"
 
 std::span<const VolumeKind> bounding_volumes() {
   static const std::initializer_list<VolumeKind> table = {
@@ -23,6 +26,14 @@ std::span<const TreeBuild> tree_builds() {
   };
   return {table.begin(), table.size()};
 }
+
+std::span<const Variant<BoxSearch>> box_searches() {
+  static const std::initializer_list<Variant<BoxSearch>> table = {
+#include "bounds_searches_rows.inc"
+  };
+  return {table.begin(), table.size()};
+}
+std::string default_box_search() { return std::string(default_variant(box_searches(), "swept_boxes")); }
 
 const VolumeKind& bounding_volume(std::string_view name) {
   return find_variant(bounding_volumes(), name, "bounding volume");

@@ -44,6 +44,8 @@ void check_numbers(const ClothDesc& d) {
   need(d.shear < 0 || is_finite(d.shear), "shear", "a finite number", d.shear);
   need(not_negative(d.bend), "bend", "a finite number, 0 or more", d.bend);
   need(not_negative(d.damping), "damping", "a finite number, 0 or more", d.damping);
+  if (d.inside != "guard" && d.inside != "ignore")
+    throw SceneError("cloth: inside: expected 'guard' or 'ignore', got '" + d.inside + "'");
   need(positive(d.thickness), "thickness", "a number above 0", d.thickness);
   need(not_negative(d.friction), "friction", "a finite number, 0 or more", d.friction);
   need(not_negative(d.drag), "drag", "a finite number, 0 or more", d.drag);
@@ -224,13 +226,19 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   s->mesh.grid = desc.nx;
   const ClothStiffness stiffness = stiffness_of(desc);
   const bool limit_free = desc.max_strain > 0;
-  s->settings = {stiffness,           desc.area_density,  desc.damping,
-                 desc.thickness,      desc.friction,      desc.drag,
-                 desc.lift,           desc.tear_strain,   max_strain_of(desc),
-                 desc.gravity_scale,  desc.stretch_error, desc.substeps,
-                 desc.max_substeps,   desc.group,         desc.mask,
-                 desc.self_collision, desc.wind,          limit_free,
-                 desc.pressure,       desc.yield,         desc.flow};
+  s->search_name = desc.self.empty() ? default_box_search() : desc.self;
+  s->find_search();
+  s->settings = {stiffness,           desc.area_density,
+                 desc.damping,        desc.thickness,
+                 desc.friction,       desc.drag,
+                 desc.lift,           desc.tear_strain,
+                 max_strain_of(desc), desc.gravity_scale,
+                 desc.stretch_error,  desc.substeps,
+                 desc.max_substeps,   desc.group,
+                 desc.mask,           desc.self_collision,
+                 desc.wind,           desc.inside == "ignore",
+                 limit_free,          desc.pressure,
+                 desc.yield,          desc.flow};
   make_elements(s->mesh, rest, s->settings.stiffness);
   // pins by name, with a ghost vertex for each end of a clamped border edge
   for (const std::string& name : desc.pin_names) {
@@ -269,6 +277,7 @@ ObjectId Cloth::add_cloth(const ClothDesc& desc) {
   m.lump_mass(*s);
   for (std::uint32_t i = 0; i < points; ++i)
     all.inv_mass[s->first + i] = pinned[i] ? Real(0) : 1 / all.mass[s->first + i];
+  s->suspect = desc.nx == 0;
   m.sheets.push_back(std::move(s));
   m.declare_surfaces();
   *m.structure_changed = true;

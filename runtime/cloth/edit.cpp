@@ -34,6 +34,13 @@ void Cloth::set_point(ObjectId id, std::size_t i, const Vec3& x) {
   if (!is_finite(x)) throw SceneError("set_point: expected three finite numbers");
   impl_->wake(impl_->sheet(id), WakeCause::script, {});
   impl_->vertices.position[at] = x;
+  Sheet& s = impl_->sheet(id);
+  if (s.edited.size() < s.points && !s.suspect)
+    s.edited.push_back(at - s.first);
+  else
+    s.suspect = true, s.edited.clear();
+  s.state.edited = 1;
+  if (impl_->vertices.inv_mass[at] != 0) s.state.suspect_steps = Sheet::kSuspectSteps;  // pins only go with their path
 }
 
 void Cloth::set_velocity(ObjectId id, std::size_t i, const Vec3& v) {

@@ -43,8 +43,9 @@ struct Cloth::Impl {
     Real mass;                 // share of the body's, kg
     Vec3 velocity;             // of the body's point, m/s
   };
-  Array<Carried> hauled{&arena};     // of a solver substep and cloth, see ties.cpp
-  Array<Real> carried_mass{&arena};  // kg
+  Array<Carried> hauled{&arena};               // of a solver substep and cloth, see ties.cpp
+  Array<Real> carried_mass{&arena};            // kg
+  Array<unsigned char> edited_vertex{&arena};  // of suspects(), by vertex of a cloth
   bool any_active = false;
   std::size_t force_count = 0;  // forces known when the rows were made
   bool gravity_known = false;
@@ -62,6 +63,10 @@ struct Cloth::Impl {
   void measure_paths(Sheet& s);
   void make_ties(Sheet& s);
   void place_ties(Sheet& s);
+  Aabb suspects(const Sheet& s);
+  void show_tangles(const Sheet& s, Surface& f);
+  static bool untangles(const Sheet& s);
+  void read_tangles(StepContext& c);
   void declare_surfaces();
   void show(const Sheet& s);  // adds its surface
   void solve_body_ties(StepContext& c);

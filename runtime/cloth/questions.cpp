@@ -70,9 +70,10 @@ std::size_t Cloth::tangles(ObjectId id) const {
 }
 
 void Cloth::residuals(std::vector<Residual>& out) const {
-  double strain = 0, frozen = 0, sleeping = 0;
+  double strain = 0, frozen = 0, sleeping = 0, crossings = 0;
   for (const auto& s : impl_->sheets) {
     strain = std::max(strain, static_cast<double>(max_strain(s->object)));
+    crossings += s->state.tangles;
     frozen += s->state.frozen != 0, sleeping += s->state.asleep != 0;
   }
   out.push_back({"cloth.max_strain", strain});
@@ -82,6 +83,7 @@ void Cloth::residuals(std::vector<Residual>& out) const {
   out.push_back({"cloth.small_steps", static_cast<double>(steps)});
   out.push_back({"cloth.row_updates", static_cast<double>(all.row_updates)});
   out.push_back({"cloth.sleeping", sleeping});
+  out.push_back({"cloth.tangles", crossings});
   out.push_back({"cloth.quarantined", frozen});
 }
 

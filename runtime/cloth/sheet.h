@@ -5,6 +5,7 @@
 #include <string>
 
 #include "base/double3.h"
+#include "bounds/box_search.h"
 #include "cloth/solver.h"
 #include "feder/cloth.h"
 
@@ -24,6 +25,7 @@ struct ClothSettings {
   std::int32_t substeps = 0, max_substeps = 0;
   std::uint32_t group = 1, mask = 0xffffffffu;
   std::uint32_t self_collision = 1, wind = 1;
+  std::uint32_t ignores_inside = 0;
   std::uint32_t limit_free = 0;  // max_strain was set: it also applies to cloth that nothing holds
   Real pressure = 0;             // Pa
   Real yield = kInfinity;        // strain
@@ -48,6 +50,16 @@ struct ClothState {
   std::uint32_t warned_pressure = 0;   // 1: so was pressure beyond what the solver substep carries
   Real load = 0;                       // kg, that rests on it
   Real pull = 0;                       // m/s^2: mean acceleration by gravity, wind and scripts in the last step
+  // Crossings with itself that the last search left (where released: at least), and fewest since their number was last
+  // given up or vertices were put somewhere
+  std::uint32_t tangles = 0, least_tangles = 0;
+  std::uint32_t tangled_steps = 0;   // steps of search since there were fewest
+  std::uint32_t tangles_rest = 0;    // steps until the next search for ways out
+  std::uint32_t tangles_rests = 0;   // how often it rested
+  std::uint32_t released = 0;        // 1: too many of them: no self-contact
+  std::uint32_t warned_tangles = 0;  // 1: it was reported that they stay
+  std::uint32_t edited = 0;          // 1: vertices were put somewhere since the last step
+  std::uint32_t suspect_steps = 0;   // steps in which it is searched because it tore or points were put somewhere
 };
 
 // Ties of vertices to pins and attachments; made anew when those change, see ties.cpp.
@@ -82,13 +94,17 @@ struct ClothGas {
 };
 
 struct Sheet {
-  Sheet(Arena& a) : mesh(a), ties(a), gas(a) {}
+  Sheet(Arena& a) : mesh(a), ties(a), gas(a), edited(&a) {}
+
+  static constexpr std::uint32_t kSuspectSteps = 30;  // until contact keeps apart what touches
 
   ObjectId object;
   std::uint32_t first = 0, points = 0, total = 0;  // run in ClothVertices: visible, with hidden ones
   ClothMesh mesh;
   ClothSettings settings;
   ClothState state;
+  std::string search_name;                     // of self-contact, in box_searches()
+  const Variant<BoxSearch>* search = nullptr;  // null: the default
   std::string solver_name;
   Params solver_options;
   std::unique_ptr<ClothSolver> solver;
@@ -102,6 +118,9 @@ struct Sheet {
   double bend_substeps = 1;  // ClothSolver::wanted_substeps, as last asked
   Real bend_step = -1;       // s, substep of that answer
   std::uint32_t bad_vertex = kNone;
+  // Where crossings may have arisen: all of it, or at the vertices that were put somewhere since the last step.
+  bool suspect = false;
+  Array<std::uint32_t> edited;
   Real mass = 0;                        // kg
   Vec3 gained_momentum = Vec3::Zero();  // kg m^2/s, angular momentum error of its solver in this substep
   bool any_pin = false;
@@ -112,6 +131,10 @@ struct Sheet {
   double kinetic_before = 0;  // J, at the start of the step
 
   Vec3 flight() const { return Vec3(state.flight[0], state.flight[1], state.flight[2]); }
+  void find_search() {
+    const auto& found = find_variant(box_searches(), search_name, "search of self-contact");
+    search = search_name == default_box_search() ? nullptr : &found;
+  }
   void set_flight(const Vec3& a) {
     for (int k = 0; k < 3; ++k) state.flight[k] = a[k];
   }

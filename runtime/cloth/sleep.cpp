@@ -46,7 +46,7 @@ void Cloth::Impl::update_sleep(StepContext& c) {
     s.state.sleep_energy = std::min(energy + (std::min(s.state.sleep_energy, cap) - energy) * keep, cap);
     bool steady = true;  // generators on areas may gust
     each_force(s, [&](const ForceEntry& f) { steady = steady && !f.force->on_area(); });
-    if (!steady || s.state.sleep_energy > Real(0.5) * kSleepSpeed * kSleepSpeed) {
+    if (!steady || untangles(s) || s.state.sleep_energy > Real(0.5) * kSleepSpeed * kSleepSpeed) {
       s.state.sleep_steps = 0;
       continue;
     }

@@ -29,6 +29,8 @@ void Cloth::hash(Hash& h) const {
     }
   for (const auto& s : impl_->sheets) {
     h.add(s->points), h.add(s->state.frozen), h.add(s->state.asleep), h.add(s->state.sleep_energy);
+    if (const ClothState& t = s->state; t.tangles)
+      h.add(t.tangles), h.add(t.least_tangles), h.add(t.tangled_steps), h.add(t.tangles_rest), h.add(t.released);
     h.add(s->flight()), h.add(s->state.load), h.add(s->state.substeps);
     h.bytes(s->solver_name.data(), s->solver_name.size());
     for (const std::uint32_t v : s->mesh.triangles) h.add(v);
@@ -49,6 +51,7 @@ void Cloth::save(Writer& w) const {
   w.add(static_cast<std::uint64_t>(impl_->sheets.size()));
   for (const auto& s : impl_->sheets) {
     each_number(*s, [&](const auto& x) { w.add(x); });
+    w.text(s->search_name);
     w.text(s->solver_name);
     s->solver_options.save(w);
     s->solver->save(w);
@@ -68,6 +71,8 @@ void Cloth::load(Reader& r) {
   for (std::uint64_t k = 0; k < count; ++k) {
     auto s = std::make_unique<Sheet>(m.arena);
     each_number(*s, [&](auto& x) { r.get(x); });
+    r.text(s->search_name);
+    s->find_search();
     std::string name;
     r.text(name);
     Params options;
@@ -75,6 +80,7 @@ void Cloth::load(Reader& r) {
     m.attach_solver(*s, name, options);
     s->solver->load(r);
     each_list(s->mesh, [&](auto& array) { r.list(array); });
+    s->suspect = true;
     m.sheets.push_back(std::move(s));
   }
   m.declare_surfaces();

@@ -276,6 +276,8 @@ void Cloth::Impl::show(const Sheet& s) {
   f.fastest = std::sqrt(fastest), f.approach_speed = s.approach_speed;
   f.steps = s.state.substeps;
   f.self = s.settings.self_collision != 0;
+  f.search = s.search;
+  if (f.self) show_tangles(s, f);
   f.active = s.active(), f.sleep_candidate = s.state.sleep_steps != 0, f.pinned = s.any_pin;
   surfaces.list.push_back(f);
 }
@@ -402,6 +404,7 @@ void Cloth::Impl::commit(StepContext& c) {
         vertices.velocity[i] = velocity[i].vec() + lead;
       }
     }
+    read_tangles(c);
     watch(c);
     quarantine(c);
     flow(c);

@@ -143,6 +143,7 @@ void Cloth::Impl::tear(StepContext& c) {
       for (std::size_t k = 0; k < worst.size() && split == kNone; ++k) split = tear_at(s, worst[k].second, c);
       if (split == kNone) break;
       torn = true;
+      s.state.suspect_steps = Sheet::kSuspectSteps;
       ++s.version;
       s.paths_stale = true;
       std::vector<Vec3> rest(vertices.rest.begin() + s.first, vertices.rest.begin() + s.first + s.total);

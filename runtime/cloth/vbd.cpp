@@ -30,7 +30,7 @@ constexpr Real kLimitFrom = Real(0.98), kLimitTimes = 100, kNoLimit = Real(1e18)
 constexpr double kSettling = 0.3;              // largest h^2 w^2 of bending at which taking them anew converges
 constexpr JobGrain kDescentGrain{16, 4'000};   // batches per job
 constexpr JobGrain kVertexGrain{1024, 4'000};  // vertices per job
-constexpr std::size_t kMaxStages = 64;
+constexpr std::size_t kMaxSweepStages = 64;
 
 class Vbd final : public ClothSolver {
  public:
@@ -235,7 +235,7 @@ class Vbd final : public ClothSolver {
   Array<Range> colors_;
   Array<Row4> force_, kicked_;  // by vertex: N; m/s
   Array<Real> angle_;           // by hinge, then those of lanes without one
-  JobPool::Stage stages_[kMaxStages];
+  JobPool::Stage stages_[kMaxSweepStages];
   double crowded_ = 0;                                     // bound of w^2 of bending, see damping.cpp, 1/s^2
   double stiffest_ = 0;                                    // largest k sum w |gradient|^2, 1/s^2
   bool stiff_ = false, settles_ = false, afloat_ = false;  // hinges are in the sweeps; soft ones converge; free

@@ -12,6 +12,8 @@
 
 namespace feder {
 
+struct Tangles;
+
 // Impact zone: points that the non-penetration projection moves as one (non_penetration.cpp).
 struct Zone {
   Vec3 velocity = Vec3::Zero();  // their momentum while it is summed up, m/s
@@ -62,9 +64,24 @@ struct SurfaceContact::Impl {
     std::unique_ptr<FlatParts> parts;
   };
   std::vector<PartsOf> all_parts;
+  // Searches of surfaces that ask for one, by object; and of this search, by surface: null where there is none.
+  struct SearchOf {
+    ObjectId object;
+    const Variant<BoxSearch>* kind;
+    std::unique_ptr<BoxSearch> search;
+  };
+  std::vector<SearchOf> all_searches;
+  Array<BoxSearch*> own_search{&arena};
+  Array<Aabb> own_triangle_box{&arena}, own_edge_box{&arena};  // work memory of own_pairs.cpp
+  Array<BoxPair> own_pairs{&arena};
   Array<FlatParts*> flat_parts{&arena};
   Array<unsigned char> sealed{&arena};  // by surface: 1: nothing of it can meet itself in this search
   Array<Real> bearable{&arena};         // by surface: deviation of its points that the search allows, m
+
+  // tangles.cpp
+  std::unique_ptr<Tangles> tangles;  // null: none were ever suspected
+  bool any_tangled = false;          // in this step, by point: it belongs to an edge or a triangle that crosses
+  Array<unsigned char> tangled{&arena};
 
   Array<Aabb> others_box{&arena};  // by surface: of those that it may be in contact with
   Array<Aabb> box{&arena};         // by surface
@@ -86,6 +103,7 @@ struct SurfaceContact::Impl {
   void begin_step(StepContext& c);
   void list_pairs(StepContext& c);
   void form_groups(StepContext& c);
+  void untangle(StepContext& c);
   void begin_substep(StepContext& c);
   void find_near(StepContext& c);
   void coast(StepContext& c);
@@ -120,6 +138,16 @@ struct SurfaceContact::Impl {
   void balance(const SurfaceRow& r, const Vec3 (&x)[4], const Vec3& total, Real push, Real (&tilt)[4]) const;
   Vec3 start(std::uint32_t vertex, Real h) const;  // where the solver substep of h began, m
 
+  // tangles.cpp
+  bool try_untangle(const Surface& s, Tangles& t, Real most, bool smooth);
+  bool tangled_pair(const NearPair& p) const {
+    if (!any_tangled || p.surface_pair != kNone) return false;
+    const std::uint32_t split = p.edges ? 2 : 1;
+    unsigned char of[2] = {0, 0};
+    for (std::uint32_t k = 0; k < 4; ++k) of[k >= split] |= tangled[p.v[k]];
+    return of[0] != 0 && of[1] != 0;
+  }
+
   // near.cpp: candidate pairs of features in this step, and their rows
   bool near_wanted(const SurfaceGroup& g) const;
   bool paired(std::uint32_t surface) const;  // it is in a candidate pair, whose surfaces are both in its group
@@ -130,15 +158,17 @@ struct SurfaceContact::Impl {
   void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
   void bound_others(const SurfaceGroup& g);
   FlatParts& parts_of(const Surface& s);
+  BoxSearch* search_of(const Surface& s);  // own_pairs.cpp
+  void find_own_pairs(NearSearch& near, std::uint32_t n, Real time);
   void measure_parts(const SurfaceGroup& g, Real time, bool held);
   // Whether a feature of surface n is searched for contact by trees.
   bool searched(std::uint32_t n, const Aabb& bounds) const {
     const Surface& s = list[n];
-    return (s.active && s.self && !flat_parts[n]) || overlaps(bounds, others_box[n]);
+    return (s.active && s.self && !flat_parts[n] && !own_search[n]) || overlaps(bounds, others_box[n]);
   }
-  // Whether the trees answer for two points: not within a surface that has parts.
+  // Whether the trees answer for two points: not within a surface that has parts or a search of its own.
   bool searched_together(std::uint32_t i, std::uint32_t j) const {
-    return near_surface[i] != near_surface[j] || !flat_parts[near_surface[i]];
+    return near_surface[i] != near_surface[j] || (!flat_parts[near_surface[i]] && !own_search[near_surface[i]]);
   }
   // Bounds of three points over the rest of the step; c may be b.
   Aabb box_of(std::uint32_t a, std::uint32_t b, std::uint32_t c) const {

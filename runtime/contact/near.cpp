@@ -130,7 +130,7 @@ FlatParts& SurfaceContact::Impl::parts_of(const Surface& s) {
 void SurfaceContact::Impl::measure_parts(const SurfaceGroup& g, Real time, bool held) {
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
-    if (!s.active || !s.self) continue;
+    if (!s.active || !s.self || own_search[n]) continue;
     FlatParts& p = parts_of(s);
     p.build(s);
     if (!p.flat()) continue;
@@ -167,8 +167,10 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
   const std::uint32_t size = surfaces.size();
   vertex_box.resize(size), search_position.resize(size), search_velocity.resize(size), max_deviation.resize(size);
   near_surface.resize(size), flat_parts.resize(list.size()), bearable.resize(list.size()), sealed.resize(list.size());
+  own_search.resize(list.size());
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
+    own_search[n] = s.active && s.self ? search_of(s) : nullptr;
     flat_parts[n] = nullptr, sealed[n] = 0, bearable[n] = kMaxDeviation * s.thickness;
     if (!(s.active && s.self) && !paired(n)) continue;
     const Real half = Real(0.5) * s.thickness;
@@ -257,6 +259,7 @@ void SurfaceContact::Impl::add_pair(NearSearch& near, const std::uint32_t (&v)[4
         v, edges, [&](std::uint32_t i) { return a.rest[i - a.first]; }, rest_weight));
     p.thickness = std::min(wanted, kRestShare * rest);
   }
+  if (a.ignores_inside && tangled_pair(p)) return;
   near.pairs.push_back(p);
 }
 
@@ -266,6 +269,7 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
   near.pairs.clear();
   list_features(g, near, time, held);
   for (const std::uint32_t n : g.members) {
+    if (own_search[n]) find_own_pairs(near, n, time);
     if (!flat_parts[n] || sealed[n]) continue;
     const std::uint32_t first = list[n].first;
     flat_parts[n]->find_pairs(kNear * list[n].thickness, [&](const std::uint32_t(&v)[4], bool edges) {
@@ -330,6 +334,7 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
     if (!p.live) continue;
     Real weight[4];
     measure(p, weight);
+    if (tangled_pair(p)) continue;
     Vec3 u = Vec3::Zero(), d = Vec3::Zero();
     Real held = 0;
     for (int k = 0; k < 4; ++k) {

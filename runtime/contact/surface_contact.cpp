@@ -8,6 +8,7 @@
 
 #include "contact/impl.h"
 #include "contact/seen_pairs.h"
+#include "contact/tangles.h"
 
 namespace feder {
 namespace {
@@ -37,6 +38,7 @@ void SurfaceContact::add_passes(StepPlan& plan) {
   m->wake_left();
   m->surfaces.forget();  // objects that it names may be gone
   std::erase_if(m->all_parts, [&](const Impl::PartsOf& p) { return !m->objects.alive(p.object); });
+  std::erase_if(m->all_searches, [&](const Impl::SearchOf& p) { return !m->objects.alive(p.object); });
   m->surfaces.solver_bodies = m->store.find<SolverBodies>();
   if (!m->surfaces.wanted()) return;
   m->sync_links();
@@ -51,6 +53,8 @@ void SurfaceContact::add_passes(StepPlan& plan) {
   if (pairs) plan.add<&Impl::list_pairs>(Rank::surface_pairs, "surface pairs", kName, m);
   if (linked) plan.add<&Impl::connect_links>(Rank::append_points, "connect links", kName, m);
   plan.add<&Impl::form_groups>(Rank::surface_groups, "groups", kName, m);
+  const bool self = m->surfaces.any_owner([](const Surfaces::Owner& o) { return o.self && o.loops; });
+  if (self) plan.add<&Impl::untangle>(Rank::surface_tangles, "tangles", kName, m);
   plan.add<&Impl::begin_substep>(Rank::surface_start, "begin substep", kName, m);
   if (near) plan.add<&Impl::find_near>(Rank::surface_near, "near surfaces", kName, m);
   if (coasts) plan.add<&Impl::coast>(Rank::surface_coast, "coast", kName, m);

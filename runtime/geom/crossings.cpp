@@ -12,7 +12,7 @@ Aabb bounds_of(std::span<const Vec3> points) {
   return all;
 }
 
-void CrossingSearch::find(const CrossingMesh& m, const Aabb& where, Array<Crossing>& out) {
+void CrossingSearch::find(const CrossingMesh& m, const Aabb& where, Array<Crossing>& out, std::size_t most) {
   FEDER_ASSERT(m.triangles.size() % 3 == 0);
   out.clear(), chosen_.clear(), box_.clear();
   const Vec3* x = m.points.data();
@@ -23,7 +23,7 @@ void CrossingSearch::find(const CrossingMesh& m, const Aabb& where, Array<Crossi
     if (overlaps(box, where)) chosen_.push_back(t), box_.push_back(box);
   }
   tree_.build({box_.data(), box_.size()});
-  for (std::uint32_t e = 0; e < m.edges; ++e) {
+  for (std::uint32_t e = 0; e < m.edges && out.size() <= most; ++e) {
     const std::uint32_t a = m.edge(e)[0], b = m.edge(e)[1];
     FEDER_ASSERT(a < m.points.size() && b < m.points.size());
     Aabb box{x[a], x[a]};

@@ -27,8 +27,9 @@ struct CrossingMesh {
 class CrossingSearch {
  public:
   explicit CrossingSearch(Arena& a) : tree_(a), chosen_(&a), box_(&a) {}
-  // All crossings of which both features meet `where`, by ascending edge, then triangle; replaces `out`.
-  void find(const CrossingMesh& mesh, const Aabb& where, Array<Crossing>& out);
+  // All crossings of which both features meet `where`, by ascending edge, then triangle; replaces `out`. Ends after the
+  // edge with which there are more than `most`.
+  void find(const CrossingMesh& mesh, const Aabb& where, Array<Crossing>& out, std::size_t most = std::size_t(-1));
 
  private:
   BoxTree tree_;

@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "bounds/box_search.h"
 #include "feder/error.h"
 #include "feder/events.h"
 #include "feder/memory.h"
@@ -56,7 +57,18 @@ struct Surface {
   bool balls = false;                    // its points are colliders of their own for bodies
   bool coasts =
       false;  // its own solver runs once per substep: in the contact loop its points move at constant velocity
-  std::uint32_t loop = 0;  // its group, in Surfaces::groups
+  // Crossings of it with itself: where its owner suspects some, m (empty: nowhere), how many moves contact may try on
+  // them in this step, and how many it left; kNone: it did not look. More than most_tangles are not counted on: the
+  // surface then has no contact with itself in this step. With ignores_inside what crosses is left to the owner's
+  // forces.
+  Aabb suspects;
+  std::uint32_t untangle_trials = 0, most_tangles = kNone - 1;
+  std::uint32_t tangles = kNone;
+  bool ignores_inside = false;
+  // What finds its candidates of self-contact; null: swept boxes, of flat sheets only where parts of it may meet.
+  const Variant<BoxSearch>* search = nullptr;
+  std::uint32_t untangle_rings = 0;  // edges round what crosses that are moved along: more, the longer it stays
+  std::uint32_t loop = 0;            // its group, in Surfaces::groups
 };
 
 // A contact row: up to four points by weight, against each other or against a solver body.

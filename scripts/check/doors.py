@@ -31,6 +31,7 @@ ELSEWHERE = {"rope": {"bindings/lua/joint.cpp"}, "springs": {"bindings/view/togg
 FAMILY = {"forces": "force_kinds", "constrain": "joint_kinds", "broad": "broad_phases", "rigid": "rigid_solver",
           "cloth": "cloth_solver", "fluid": "fluid_solver", "integrate": r"integrators\b",
           "neighbors": "neighbor_searches", "bounds": "bounding_volumes", "bounds.builds": "tree_builds",
+          "bounds.searches": "box_searches",
           "geom.indexes": "triangle_indexes"}
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
 HASH_COMMENT = re.compile(r"#[^\n]*")

@@ -1,4 +1,5 @@
 // Frames of worlds: what is in them, that collecting changes nothing, and that it allocates nothing once warm.
+#include "feder/cloth.h"
 #include "view/drawing.h"
 #include "view/palette.h"
 
@@ -222,6 +223,46 @@ TEST_CASE("frames are reused: nothing moves once warm", "[view]") {
     CHECK(frame.instances.data() == first);
     CHECK(frame.lines.data() == lines);
   }
+}
+
+TEST_CASE("cloth that trembles is drawn at rest, and never farther off than its thickness", "[view]") {
+  WorldDesc wd;
+  wd.gravity = Vec3::Zero(), wd.sleeping = false;
+  World world(wd, catalog());
+  ClothDesc d;
+  d.nx = d.ny = 5;
+  for (std::uint32_t i = 0; i < 25; ++i) d.pins.push_back(i);  // the test moves it
+  Cloth& cloth = world.need<Cloth>();
+  const ObjectId id = cloth.add_cloth(d);
+  Toggles calm;
+  calm.temporal = true;
+  Collector collector, plain;
+  Frame f, now;
+  const Vec3 rest = cloth.point(id, 12);
+  double off = 0, drawn = 0;
+  const auto show = [&](const Vec3& at) {
+    for (std::size_t i = 0; i < 25; ++i) cloth.set_point(id, i, cloth.point(id, i) + (at - cloth.point(id, 12)));
+    world.step();
+    collector.collect(world, nullptr, calm, f);
+    plain.collect(world, nullptr, {}, now);
+    REQUIRE(f.vertices.size() == 25);
+    const double y = f.vertices[12].position.y, x = f.vertices[12].position.x;
+    off = std::hypot(x - at[0], y - at[1]), drawn = y - rest[1];
+  };
+  const double trembles = 2e-4;
+  for (int k = 0; k < 60; ++k) {
+    show(rest + Vec3(0, Real(k % 2 ? trembles : -trembles), 0));
+    if (k >= 30) CHECK(std::fabs(drawn) < trembles / 4);
+    CHECK(double(now.vertices[12].position.y - rest[1]) == Approx(k % 2 ? trembles : -trembles).margin(1e-6));
+  }
+  // what moves lags by the same whether it is slow or fast: a sixtieth of 0.2 m
+  for (const double speed : {0.1, 5.0}) {
+    const Vec3 from = cloth.point(id, 12);
+    for (int k = 1; k <= 90; ++k) show(from + Vec3(Real(speed * k / 60), 0, 0));
+    CHECK(off == Approx(0.2 / 60).epsilon(0.02));
+  }
+  show(rest + Vec3(0, 40, 0));
+  CHECK(off <= double(d.thickness) * 1.001);
 }
 
 TEST_CASE("colours come from groups of names and stay", "[view]") {

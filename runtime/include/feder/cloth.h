@@ -43,6 +43,11 @@ struct ClothDesc {
   Real thickness = Real(0.01);  // m, between two layers; half of it to bodies
   Real friction = Real(0.4);
   bool self_collision = true;
+  // What crosses itself: "guard" keeps it from crossing more and leads it out; "ignore" leaves it to the material, with
+  // neither contact nor friction between the parts that cross. With more crossings than edges, both have no contact
+  // with itself until there are half as many. What does not come apart is reported by the warning `tangled`.
+  std::string inside = "guard";
+  std::string self;              // what finds candidates of self-contact: "swept_boxes" (when empty), "hash"
   bool wind = true;              // forces that act on areas (wind) act on it
   Real drag = 1, lift = 1;       // shares of the pressure along the flow and across it
   Real tear_strain = kInfinity;  // an edge stretched more than this breaks
@@ -73,7 +78,8 @@ struct ClothDesc {
   static void each_field(D& d, F&& f) {
     f(d.name), f(d.tags), f(d.size), f(d.nx), f(d.ny), f(d.vertices), f(d.triangles), f(d.pose), f(d.velocity);
     f(d.area_density), f(d.stretch), f(d.shear), f(d.bend), f(d.damping), f(d.thickness), f(d.friction);
-    f(d.self_collision), f(d.wind), f(d.drag), f(d.lift), f(d.tear_strain), f(d.max_strain), f(d.gravity_scale);
+    f(d.self_collision), f(d.inside), f(d.self), f(d.wind), f(d.drag), f(d.lift), f(d.tear_strain), f(d.max_strain),
+        f(d.gravity_scale);
     f(d.group), f(d.mask), f(d.substeps), f(d.stretch_error), f(d.max_substeps), f(d.solver), f(d.solver_options);
     f(d.pin_names), f(d.pins), f(d.warp), f(d.weft), f(d.warp_axis), f(d.pressure), f(d.yield), f(d.flow);
   }

@@ -40,6 +40,7 @@ enum class Rank : std::uint8_t {
   surface_candidates,
   surface_groups,
   cloth_gather,
+  surface_tangles,
   joint_rows,
   boundary_list,
 
