@@ -46,6 +46,12 @@ struct Cloth::Impl {
   Array<Carried> hauled{&arena};               // of a solver substep and cloth, see ties.cpp
   Array<Real> carried_mass{&arena};            // kg
   Array<unsigned char> edited_vertex{&arena};  // of suspects(), by vertex of a cloth
+  struct Neighborhood {
+    Vec3 sum = Vec3::Zero();  // of the neighbours' positions, m
+    Real rest = 0;            // of the edges to them, m
+    std::uint32_t count = 0;
+  };
+  Array<Neighborhood> neighborhoods{&arena};  // of farthest(), by vertex of a cloth
   bool any_active = false;
   std::size_t force_count = 0;  // forces known when the rows were made
   bool gravity_known = false;
@@ -63,6 +69,8 @@ struct Cloth::Impl {
   void measure_paths(Sheet& s);
   void make_ties(Sheet& s);
   void place_ties(Sheet& s);
+  std::uint32_t farthest(const Sheet& s, Real& distance, Vec3& mean);  // put_back.cpp
+  void put_back(Sheet& s, StepContext& c);
   Aabb suspects(const Sheet& s);
   void show_tangles(const Sheet& s, Surface& f);
   static bool untangles(const Sheet& s);

@@ -216,6 +216,7 @@ void Cloth::Impl::prepare(StepContext& c) {
   gravity = c.gravity, gravity_known = true;
   for (auto& s : sheets) {
     any_active = any_active || s->active();
+    if (s->active()) put_back(*s, c);
     if (s->settings.pressure != 0 && s->active()) check_pressure(*s, c);
     s->bad_vertex = kNone;
     s->prepared = false, s->gusty = true;

@@ -174,15 +174,42 @@ TEST_CASE("a sheet that crosses itself goes on from a snapshot as it would have"
 }
 
 TEST_CASE("a vertex put 100 lengths away comes back", "[cloth]") {
-  WorldDesc wd;
-  wd.sleeping = false;
-  World w(wd, kClothOnly);
+  const std::size_t i = GENERATE(0, 112, 200, 224);
+  const bool hung = GENERATE(false, true);
+  World w(WorldDesc{}, kClothOnly);
   Cloth& cloth = w.need<Cloth>();
-  const ObjectId id = cloth.add_cloth(sheet(15, 15, 1, 1));
-  cloth.set_point(id, 224, Vec3(100, 100, 100));
-  for (int k = 0; k < 180; ++k) w.step();
+  ClothDesc d = sheet(15, 15, 1, 1);
+  if (hung) d.pin_names = {"top_left", "top_right"};
+  const ObjectId id = cloth.add_cloth(d);
+  const Real from = hung && i == 0 ? Real(0) : Real(100);  // a pin stays
+  cloth.set_point(id, i, cloth.point(id, i) + from * Vec3(1, 1, 1));
+  int warned = 0;
+  for (int k = 0; k < 180; ++k) {
+    w.step();
+    for (const Event& e : w.events().list())
+      if (e.kind == EventKind::warning && w.events().warning_code(e) == "overstretched") {
+        ++warned;
+        const std::string text = w.events().warning_message(e);
+        CHECK(text.find("vertex " + std::to_string(i + 1) + " was put") != std::string::npos);
+      }
+  }
+  CAPTURE(i, hung);
+  CHECK(warned == (from > 0));
   CHECK(cloth.tangles(id) == 0);
   CHECK(double(cloth.max_strain(id)) < 0.05);
+}
+
+TEST_CASE("pins that are carried far away in one step pull no vertex along by hand", "[cloth]") {
+  World w(WorldDesc{}, kClothOnly);
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = sheet(9, 9, 1, 1);
+  d.pin_names = {"top"};
+  const ObjectId id = cloth.add_cloth(d);
+  for (std::size_t i = 0; i < 81; ++i)
+    if (cloth.pinned(id, i)) cloth.set_point(id, i, cloth.point(id, i) + Vec3(0, 3, 0));
+  w.step();
+  for (const Event& e : w.events().list())
+    CHECK_FALSE((e.kind == EventKind::warning && w.events().warning_code(e) == "overstretched"));
 }
 
 TEST_CASE("crossings that stay are reported once, and rest", "[cloth]") {
