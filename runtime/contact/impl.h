@@ -48,6 +48,7 @@ struct SurfaceContact::Impl {
   Array<Aabb> vertex_box{&arena};                                // swept over the rest of the step, beside the drift
   Array<Vec3> search_position{&arena}, search_velocity{&arena};  // where the search extrapolates from, m, m/s
   Array<Real> max_deviation{&arena};          // by point: from that motion, as the search allows for, m
+  Array<Real> allowed{&arena};                // by point: the part of it in this part, of a kept search, m
   Array<Row4> projection_start{&arena};       // displacements at the start of the part, m
   Array<std::uint32_t> zone_of{&arena};       // by point: a point of its zone, itself for the root; kNone: in no zone
   Array<Zone> zones{&arena};                  // by lowest point
@@ -55,6 +56,7 @@ struct SurfaceContact::Impl {
   Array<Row4> saved_velocity{&arena};         // velocities while search_again() extrapolates along others, m/s
   Array<std::uint32_t> near_surface{&arena};  // by point: its surface
   std::uint64_t projected = 0, widened = 0;   // corrections and second searches of the last step
+  std::uint64_t search_total = 0;             // searches of the last step, those included
 
   // Parts of surfaces with self-contact, by object; and of this search, by surface: null where all of it is searched.
   struct PartsOf {
@@ -128,6 +130,7 @@ struct SurfaceContact::Impl {
   // `time`: rest of the step, s; `part`: from the making of rows to the projection, s; `held`: points may be held back
   // from the extrapolated motion by all of it.
   void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
+  void collect_pairs(const SurfaceGroup& g, NearSearch& near, Real time);
   void bound_others(const SurfaceGroup& g);
   FlatParts& parts_of(const Surface& s);
   void measure_parts(const SurfaceGroup& g, Real time, bool held);
@@ -154,6 +157,22 @@ struct SurfaceContact::Impl {
   int search_count(const SurfaceGroup& g, StepContext& c) const;  // of a substep
   void collect_near(const SurfaceGroup& g);
   void account(const SurfaceRow& r, int k, const Vec3& change, const Vec3& wanted, Real h);
+  // kept.cpp
+  struct KeptImage {
+    explicit KeptImage(Arena& a) : rest(&a) {}
+    KeptOf of;
+    Array<Row4> rest;
+  };
+  std::vector<KeptImage> kept_images;  // of a snapshot, until the next step
+  KeptOf kept_of(std::uint32_t group) const;
+  void check_kept();
+  bool slow(const SurfaceGroup& g, const NearSearch& near, Real part) const;
+  void choose_rest(const SurfaceGroup& g, NearSearch& near, bool again, Real part);
+  void update_pairs(const SurfaceGroup& g, NearSearch& near, Real time, Real part);
+  bool kept_holds(NearSearch& near, Real part);
+  bool in_reach(const NearPair& p) const;
+  void save_kept(Writer& w) const;
+  void load_kept(Reader& r);
   // non_penetration.cpp
   void project_pairs(const SurfaceGroup& g, NearSearch& near, Real part);
   Vec3 deviation(const NearSearch& near, std::uint32_t vertex) const;  // from the extrapolated motion, m

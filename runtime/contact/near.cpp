@@ -3,12 +3,13 @@
 // candidates are all pairs that could then come within their thickness, from trees of swept boxes. The non-penetration
 // projection (non_penetration.cpp) asks for a new search before a vertex uses up its deviation, and searches again
 // along the true displacements when one did: usually there is one search per step, and one per substep while cloth is
-// being stopped. In each substep the closest points of candidates (Ericson, Real-Time Collision Detection, 2005, 5.1.5
-// and 5.1.9) give rows that keep the thickness, where Bridson, Fedkiw & Anderson 2002 have repulsion impulses.
-// A pair that is closer than the thickness at rest keeps to its rest distance. A flat sheet against itself is searched
-// by its parts instead of by trees (flat_parts.h): what moves as one piece costs a test per triangle.
-// Kept between steps: nothing but what follows from meshes. Weak spot: normals and weights are frozen through a
-// substep, or a part of one where the approach is fast; that no pair crosses meanwhile is left to the projection.
+// being stopped; where a folded sheet has come to rest, one in many steps. In each substep the closest points of
+// candidates (Ericson, Real-Time Collision Detection, 2005, 5.1.5 and 5.1.9) give rows that keep the thickness, where
+// Bridson, Fedkiw & Anderson 2002 have repulsion impulses. A pair that is closer than the thickness at rest keeps to
+// its rest distance. A flat sheet against itself is searched by its parts instead of by trees (flat_parts.h): what
+// moves as one piece costs a test per triangle. Kept between steps: what follows from meshes, and the candidates of
+// folded sheets at rest (kept.cpp). Weak spot: normals and weights are frozen through a substep, or a part of one where
+// the approach is fast; that no pair crosses meanwhile is left to the projection.
 #include <algorithm>
 #include <cmath>
 
@@ -162,10 +163,11 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
       near.drift += mass[i] * velocity[i].vec(), sum += mass[i];
   }
-  near.drift = free ? Vec3(near.drift / sum) : Vec3(0, 0, 0);
+  near.drift = free && !near.kept ? Vec3(near.drift / sum) : Vec3(0, 0, 0);
   // points: uniform motion relative to the drift, and the allowed deviation round it
   const std::uint32_t size = surfaces.size();
   vertex_box.resize(size), search_position.resize(size), search_velocity.resize(size), max_deviation.resize(size);
+  allowed.resize(size);
   near_surface.resize(size), flat_parts.resize(list.size()), bearable.resize(list.size()), sealed.resize(list.size());
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
@@ -175,18 +177,21 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
       near.near_vertex.push_back(i);
       near_surface[i] = n;
-      search_position[i] = current_position(i);
-      search_velocity[i] = delta_position[i].w != 0 ? velocity[i].vec() : Vec3(0, 0, 0);
+      const Row4* rest = near.kept ? &near.rest[i - s.first] : nullptr;
+      search_position[i] = rest ? rest->vec() : current_position(i);
+      search_velocity[i] = delta_position[i].w != 0 && !rest ? velocity[i].vec() : Vec3(0, 0, 0);
       const Vec3 beside = search_velocity[i] - near.drift, far = search_position[i] + time * beside;
       // a point that the projection holds back to the drift deviates by all of its motion
-      max_deviation[i] = delta_position[i].w == 0 ? Real(0) : bearable[n] + (held ? time * length(beside) : Real(0));
+      max_deviation[i] = rest                       ? rest->w
+                         : delta_position[i].w == 0 ? Real(0)
+                                                    : bearable[n] + (held ? time * length(beside) : Real(0));
       Aabb& b = vertex_box[i];
       b.lo = search_position[i].cwiseMin(far), b.hi = search_position[i].cwiseMax(far);
       b.grow(max_deviation[i] + Real(1.1) * half);
     }
   }
   bound_others(g);
-  measure_parts(g, time, held);
+  measure_parts(g, time, held || near.kept);
   // features that may be in contact
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
@@ -249,6 +254,7 @@ void SurfaceContact::Impl::add_pair(NearSearch& near, const std::uint32_t (&v)[4
   p.surface_pair = both;
   p.thickness = wanted;
   p.idle = free > 0 ? free / closing : Real(0);
+  p.spare = distance - kNear * wanted;
   FEDER_ASSERT(!(p.idle < 0));
   // within one surface: no row pushes apart what is that close at rest
   if (&a == &b) {
@@ -261,10 +267,17 @@ void SurfaceContact::Impl::add_pair(NearSearch& near, const std::uint32_t (&v)[4
 }
 
 void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held) {
-  near.pairs_stale = false;
+  near.kept = false;
+  list_features(g, near, time, held);
+  collect_pairs(g, near, time);
+}
+
+// The candidates among the features that list_features found.
+void SurfaceContact::Impl::collect_pairs(const SurfaceGroup& g, NearSearch& near, Real time) {
+  near.pairs_stale = false, near.listed = true;
+  ++search_total;
   near.since_found = 0;
   near.pairs.clear();
-  list_features(g, near, time, held);
   for (const std::uint32_t n : g.members) {
     if (!flat_parts[n] || sealed[n]) continue;
     const std::uint32_t first = list[n].first;
@@ -324,9 +337,9 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
     std::copy(first, first + list[n].total, projection_start.begin() + list[n].first);
   }
   // a candidate gets a row when it can come within its thickness in twice the part's motion
-  if (near.pairs_stale) find_pairs(g, near, time, false);
+  update_pairs(g, near, time, part);
   for (NearPair& p : near.pairs) {
-    p.live = near.since_found + part >= p.idle;
+    p.live = near.kept ? in_reach(p) : near.since_found + part >= p.idle;
     if (!p.live) continue;
     Real weight[4];
     measure(p, weight);

@@ -28,6 +28,11 @@ Vec3 SurfaceContact::Impl::deviation(const NearSearch& near, std::uint32_t i) co
 // searches anew, when one has used most of it or is about to.
 bool SurfaceContact::Impl::within_search(NearSearch& near, Real part) {
   bool good = true;
+  if (near.kept) {
+    for (const std::uint32_t i : near.near_vertex)
+      good = good && (delta_position[i].w == 0 || !(length(deviation(near, i)) > allowed[i]));
+    return good;
+  }
   for (const std::uint32_t i : near.near_vertex) {
     FEDER_ASSERT(near_surface[i] < list.size() && !(max_deviation[i] < 0));
     if (delta_position[i].w == 0) continue;

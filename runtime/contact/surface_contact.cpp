@@ -71,7 +71,7 @@ void SurfaceContact::Impl::begin_step(StepContext& c) {
   jobs = c.jobs;
   surfaces.begin();
   surfaces.row_updates = 0;
-  projected = widened = 0;
+  projected = widened = search_total = 0;
   mismatch = given = 0;
   pairs_seen = 0;
 }
@@ -153,12 +153,14 @@ void SurfaceContact::save(Writer& w) const {
   const bool any = links && !links->list.empty();
   w.add(any);
   if (any) w.list(links->list);
+  impl_->save_kept(w);
 }
 
 void SurfaceContact::load(Reader& r) {
   SurfaceLinks* links = impl_->store.find<SurfaceLinks>();
   if (links) links->list.clear();
   if (r.get<bool>()) r.list(impl_->store.need<SurfaceLinks>(kName).list);
+  impl_->load_kept(r);
   *impl_->structure_changed = true;
   impl_->surfaces.forget();
   impl_->surfaces.wakes.clear();
@@ -168,6 +170,7 @@ void SurfaceContact::residuals(std::vector<Residual>& out) const {
   const Impl& m = *impl_;
   out.push_back({"contact.guarded", static_cast<double>(m.projected)});
   out.push_back({"contact.widened", static_cast<double>(m.widened)});
+  out.push_back({"contact.searches", static_cast<double>(m.search_total)});
   out.push_back({"contact.impulse_mismatch", m.given > 0 ? m.mismatch / m.given : 0});
   out.push_back({"contact.impulse_ns", m.given});
   out.push_back({"contact.pairs", static_cast<double>(m.pairs_seen)});
