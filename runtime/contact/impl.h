@@ -39,6 +39,7 @@ struct SurfaceContact::Impl {
   Array<SurfacePair>& surface_pairs;
   std::vector<std::unique_ptr<NearSearch>> searches;  // by group
   JobPool* jobs = nullptr;                            // of this step
+  const NearKernels* kernels = &kNearKernelsPlain;
 
   // groups.cpp
   Array<std::uint32_t> surface_of_body{&arena};  // by solver index: the first surface connected to it
@@ -47,6 +48,8 @@ struct SurfaceContact::Impl {
   // proximity search and projection, by point; each group writes the entries of its own points
   Array<Aabb> vertex_box{&arena};                                // swept over the rest of the step, beside the drift
   Array<Vec3> search_position{&arena}, search_velocity{&arena};  // where the search extrapolates from, m, m/s
+  Array<Row4> search_row{&arena}, search_way{&arena};            // the same, with max_deviation in w
+  Array<Row4> now_row{&arena};                                   // positions at the start of the part, m
   Array<Real> max_deviation{&arena};          // by point: from that motion, as the search allows for, m
   Array<Real> allowed{&arena};                // by point: the part of it in this part, of a kept search, m
   Array<Row4> projection_start{&arena};       // displacements at the start of the part, m
@@ -117,8 +120,10 @@ struct SurfaceContact::Impl {
   bool linked(const std::uint32_t (&v)[4], bool edges) const;
 
   // rows.cpp
-  void solve_rows(Array<SurfaceRow>& rows, bool near, Real h);
-  void stop_rebound(Array<SurfaceRow>& rows, bool near, Real h);
+  void batch_rows(const SurfaceGroup& g, NearSearch& near) const;
+  void solve_near(SurfaceGroup& g, NearSearch& near, Real h);
+  void solve_row(SurfaceRow& r, bool near, Real h);
+  void stop_rebound(SurfaceRow& r, bool near, Real h);
   void balance(const SurfaceRow& r, const Vec3 (&x)[4], const Vec3& total, Real push, Real (&tilt)[4]) const;
   Vec3 start(std::uint32_t vertex, Real h) const;  // where the solver substep of h began, m
 
@@ -151,7 +156,10 @@ struct SurfaceContact::Impl {
     return all;
   }
   void list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
-  void add_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time);
+  void offer_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time);
+  void test_offered(NearSearch& near, Real time);
+  Real rest_distance(const NearPair& p) const;
+  void measure_live(NearSearch& near);
   void measure(NearPair& p, Real (&weight)[4]) const;
   void make_near_rows(SurfaceGroup& g, NearSearch& near, Real time, Real part);
   int search_count(const SurfaceGroup& g, StepContext& c) const;  // of a substep
@@ -181,7 +189,7 @@ struct SurfaceContact::Impl {
   void project_out(NearSearch& near, Real part);
   void move_zones(const NearSearch& near, Real part);
   Real freedom(const NearPair& p);
-  void search_again(const SurfaceGroup& g, NearSearch& near, Real part);
+  void search_again(const SurfaceGroup& g, NearSearch& near, Real part, bool held);
   std::uint32_t zone_root(std::uint32_t vertex);
 
   // surface_contact.cpp

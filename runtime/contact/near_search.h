@@ -1,6 +1,7 @@
 // Proximity search of one group of surfaces: candidate pairs of features, boxes and trees. Private to the module.
 #pragma once
 #include "bounds/box_tree.h"
+#include "contact/near_batch.h"
 #include "state/surface.h"
 
 namespace feder {
@@ -18,6 +19,7 @@ struct NearPair {
   std::uint32_t surface_pair = kNone;  // in Surfaces::pairs; kNone: of one surface
   Real idle = 0;                       // s since the search, before which it cannot come within its thickness
   Real spare = 0;                      // distance at the search less what makes a row, m
+  Real weight[4] = {};                 // of the points in the gap, at the start of this part
   std::uint32_t live = 0;              // 1: it may come within its thickness in this part
 };
 
@@ -33,12 +35,14 @@ struct KeptOf {
 // All of it is made anew in each step, but for a kept search (kept.cpp).
 struct NearSearch {
   explicit NearSearch(Arena& a)
-      : pairs(&a), near_vertex(&a), near_point(&a), near_triangle(&a), near_edge(&a), triangle_box(&a), edge_box(&a),
-        triangle_tree(a), edge_tree(a), rest(&a) {}
+      : pairs(&a), offered(&a), which(&a), near_vertex(&a), near_point(&a), near_triangle(&a), near_edge(&a),
+        triangle_box(&a), edge_box(&a), triangle_tree(a), edge_tree(a), rest(&a), batches(&a), given(&a) {}
 
   bool near = false;   // its surfaces may be in contact, so that it searches at all
   int near_every = 1;  // solver substeps from one update of rows and normals to the next
   Array<NearPair> pairs;
+  Array<NearPair> offered;                        // pairs of features that a search has not tested yet
+  Array<std::uint32_t> which;                     // some of either
   Array<std::uint32_t> near_vertex;               // points of the surfaces that take part
   Array<std::uint32_t> near_point;                // those of them that may be in contact
   Array<std::uint32_t> near_triangle, near_edge;  // three and two points per item of the trees
@@ -54,8 +58,13 @@ struct NearSearch {
   KeptOf kept_of;
   Array<Row4> rest;  // by point of the surface: position then, m, and how far it may go from there, m
 
+  // The group's near_rows in batches, and in each by bits those that gave an impulse since they were made.
+  Array<RowBatch> batches;
+  Array<unsigned char> given;
+
   void begin() {  // of a step
     trees_stale = true;
+    batches.clear(), given.clear();
     if (!kept) pairs.clear(), pairs_stale = true;
   }
   void drop() {

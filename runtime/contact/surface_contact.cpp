@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/wide.h"
 #include "contact/impl.h"
 #include "contact/seen_pairs.h"
 
@@ -30,7 +31,11 @@ SurfaceContact::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), store(s.store), objects(s.objects), contacts(s.store.need<ContactBook>(kName)),
       structure_changed(s.structure_changed), finder(contacts.finder(kName)), surfaces(s.store.need<Surfaces>(kName)),
       list(surfaces.list), position(surfaces.position), mass(surfaces.mass), delta_position(surfaces.delta_position),
-      before(surfaces.before), velocity(surfaces.velocity), surface_pairs(surfaces.pairs) {}
+      before(surfaces.before), velocity(surfaces.velocity), surface_pairs(surfaces.pairs) {
+#if defined(__x86_64__) || defined(__i386__)
+  if (runs_avx2()) kernels = &kNearKernelsAvx2;
+#endif
+}
 
 void SurfaceContact::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();
