@@ -56,6 +56,7 @@ void SurfaceContact::Impl::form_groups(StepContext& c) {
   }
   for (std::size_t k = 0; k < groups; ++k)
     if (SurfaceGroup& g = *surfaces.groups[k]; g.steps > 0) g.step = c.h / static_cast<Real>(g.steps);
+  check_kept();
 }
 
 }  // namespace feder

@@ -41,6 +41,7 @@ struct SurfaceContact::Impl {
   Array<SurfacePair>& surface_pairs;
   std::vector<std::unique_ptr<NearSearch>> searches;  // by group
   JobPool* jobs = nullptr;                            // of this step
+  const NearKernels* kernels = &kNearKernelsPlain;
 
   // groups.cpp
   Array<std::uint32_t> surface_of_body{&arena};  // by solver index: the first surface connected to it
@@ -49,7 +50,10 @@ struct SurfaceContact::Impl {
   // proximity search and projection, by point; each group writes the entries of its own points
   Array<Aabb> vertex_box{&arena};                                // swept over the rest of the step, beside the drift
   Array<Vec3> search_position{&arena}, search_velocity{&arena};  // where the search extrapolates from, m, m/s
+  Array<Row4> search_row{&arena}, search_way{&arena};            // the same, with max_deviation in w
+  Array<Row4> now_row{&arena};                                   // positions at the start of the part, m
   Array<Real> max_deviation{&arena};          // by point: from that motion, as the search allows for, m
+  Array<Real> allowed{&arena};                // by point: the part of it in this part, of a kept search, m
   Array<Row4> projection_start{&arena};       // displacements at the start of the part, m
   Array<std::uint32_t> zone_of{&arena};       // by point: a point of its zone, itself for the root; kNone: in no zone
   Array<Zone> zones{&arena};                  // by lowest point
@@ -57,6 +61,7 @@ struct SurfaceContact::Impl {
   Array<Row4> saved_velocity{&arena};         // velocities while search_again() extrapolates along others, m/s
   Array<std::uint32_t> near_surface{&arena};  // by point: its surface
   std::uint64_t projected = 0, widened = 0;   // corrections and second searches of the last step
+  std::uint64_t search_total = 0;             // searches of the last step, those included
 
   // Parts of surfaces with self-contact, by object; and of this search, by surface: null where all of it is searched.
   struct PartsOf {
@@ -133,8 +138,10 @@ struct SurfaceContact::Impl {
   bool linked(const std::uint32_t (&v)[4], bool edges) const;
 
   // rows.cpp
-  void solve_rows(Array<SurfaceRow>& rows, bool near, Real h);
-  void stop_rebound(Array<SurfaceRow>& rows, bool near, Real h);
+  void batch_rows(const SurfaceGroup& g, NearSearch& near) const;
+  void solve_near(SurfaceGroup& g, NearSearch& near, Real h);
+  void solve_row(SurfaceRow& r, bool near, Real h);
+  void stop_rebound(SurfaceRow& r, bool near, Real h);
   void balance(const SurfaceRow& r, const Vec3 (&x)[4], const Vec3& total, Real push, Real (&tilt)[4]) const;
   Vec3 start(std::uint32_t vertex, Real h) const;  // where the solver substep of h began, m
 
@@ -156,6 +163,7 @@ struct SurfaceContact::Impl {
   // `time`: rest of the step, s; `part`: from the making of rows to the projection, s; `held`: points may be held back
   // from the extrapolated motion by all of it.
   void find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
+  void collect_pairs(const SurfaceGroup& g, NearSearch& near, Real time);
   void bound_others(const SurfaceGroup& g);
   FlatParts& parts_of(const Surface& s);
   BoxSearch* search_of(const Surface& s);  // own_pairs.cpp
@@ -178,12 +186,31 @@ struct SurfaceContact::Impl {
     return all;
   }
   void list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
-  void add_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time);
+  void offer_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time);
+  void test_offered(NearSearch& near, Real time);
+  Real rest_distance(const NearPair& p) const;
+  void measure_live(NearSearch& near);
   void measure(NearPair& p, Real (&weight)[4]) const;
   void make_near_rows(SurfaceGroup& g, NearSearch& near, Real time, Real part);
   int search_count(const SurfaceGroup& g, StepContext& c) const;  // of a substep
   void collect_near(const SurfaceGroup& g);
   void account(const SurfaceRow& r, int k, const Vec3& change, const Vec3& wanted, Real h);
+  // kept.cpp
+  struct KeptImage {
+    explicit KeptImage(Arena& a) : rest(&a) {}
+    KeptOf of;
+    Array<Row4> rest;
+  };
+  std::vector<KeptImage> kept_images;  // of a snapshot, until the next step
+  KeptOf kept_of(std::uint32_t group) const;
+  void check_kept();
+  bool slow(const SurfaceGroup& g, const NearSearch& near, Real part) const;
+  void choose_rest(const SurfaceGroup& g, NearSearch& near, bool again, Real part);
+  void update_pairs(const SurfaceGroup& g, NearSearch& near, Real time, Real part);
+  bool kept_holds(NearSearch& near, Real part);
+  bool in_reach(const NearPair& p) const;
+  void save_kept(Writer& w) const;
+  void load_kept(Reader& r);
   // non_penetration.cpp
   void project_pairs(const SurfaceGroup& g, NearSearch& near, Real part);
   Vec3 deviation(const NearSearch& near, std::uint32_t vertex) const;  // from the extrapolated motion, m
@@ -192,7 +219,7 @@ struct SurfaceContact::Impl {
   void project_out(NearSearch& near, Real part);
   void move_zones(const NearSearch& near, Real part);
   Real freedom(const NearPair& p);
-  void search_again(const SurfaceGroup& g, NearSearch& near, Real part);
+  void search_again(const SurfaceGroup& g, NearSearch& near, Real part, bool held);
   std::uint32_t zone_root(std::uint32_t vertex);
 
   // surface_contact.cpp

@@ -3,12 +3,13 @@
 // candidates are all pairs that could then come within their thickness, from trees of swept boxes. The non-penetration
 // projection (non_penetration.cpp) asks for a new search before a vertex uses up its deviation, and searches again
 // along the true displacements when one did: usually there is one search per step, and one per substep while cloth is
-// being stopped. In each substep the closest points of candidates (Ericson, Real-Time Collision Detection, 2005, 5.1.5
-// and 5.1.9) give rows that keep the thickness, where Bridson, Fedkiw & Anderson 2002 have repulsion impulses.
-// A pair that is closer than the thickness at rest keeps to its rest distance. A flat sheet against itself is searched
-// by its parts instead of by trees (flat_parts.h): what moves as one piece costs a test per triangle.
-// Kept between steps: nothing but what follows from meshes. Weak spot: normals and weights are frozen through a
-// substep, or a part of one where the approach is fast; that no pair crosses meanwhile is left to the projection.
+// being stopped; where a folded sheet has come to rest, one in many steps. In each substep the closest points of
+// candidates (Ericson, Real-Time Collision Detection, 2005, 5.1.5 and 5.1.9) give rows that keep the thickness, where
+// Bridson, Fedkiw & Anderson 2002 have repulsion impulses. A pair that is closer than the thickness at rest keeps to
+// its rest distance. A flat sheet against itself is searched by its parts instead of by trees (flat_parts.h): what
+// moves as one piece costs a test per triangle. Kept between steps: what follows from meshes, and the candidates of
+// folded sheets at rest (kept.cpp). Weak spot: normals and weights are frozen through a substep, or a part of one where
+// the approach is fast; that no pair crosses meanwhile is left to the projection.
 #include <algorithm>
 #include <cmath>
 
@@ -20,6 +21,7 @@ namespace {
 constexpr Real kRestShare = Real(0.9);    // of the rest distance, kept where that is below the thickness
 constexpr Real kNear = Real(1.1);         // thicknesses below which a pair gets a row
 constexpr int kMaxSearches = 64;          // parts of a substep
+constexpr std::size_t kOffered = 1024;    // pairs that are tested together
 constexpr Real kClosedShare = Real(0.2);  // of a certificate (flat_parts.h), that deviations may take
 constexpr Real kFreeShare =
     Real(0.05);  // of the weights on free vertices, below which a pair is that of its pinned ones
@@ -80,6 +82,22 @@ Vec3 gap_vector(const std::uint32_t* v, bool edges, Position&& position_of, Real
   }
   FEDER_ASSERT(sums_to(weight, 0));
   return weight[0] * x0 + weight[1] * x1 + weight[2] * x2 + weight[3] * x3;
+}
+
+// Calls f(batch, pairs) for pairs of one kind, eight at a time as far as they go; `which` names them among `all`.
+template <class F>
+void each_batch(Array<NearPair>& all, const Array<std::uint32_t>& which, F&& f) {
+  PairBatch batch;
+  for (std::size_t first = 0; first < which.size(); first += kLanes) {
+    const std::size_t count = std::min(which.size() - first, std::size_t(kLanes));
+    for (std::size_t i = 0; i < kLanes; ++i) {
+      const NearPair& p = all[which[first + std::min(i, count - 1)]];
+      for (int k = 0; k < 4; ++k) batch.v[k][i] = p.v[k];
+      batch.wanted.v[i] = kNear * p.thickness;
+    }
+    f(
+        batch, [&](std::size_t i) -> NearPair& { return all[which[first + i]]; }, count);
+  }
 }
 
 }  // namespace
@@ -162,10 +180,11 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
       near.drift += mass[i] * velocity[i].vec(), sum += mass[i];
   }
-  near.drift = free ? Vec3(near.drift / sum) : Vec3(0, 0, 0);
+  near.drift = free && !near.kept ? Vec3(near.drift / sum) : Vec3(0, 0, 0);
   // points: uniform motion relative to the drift, and the allowed deviation round it
   const std::uint32_t size = surfaces.size();
   vertex_box.resize(size), search_position.resize(size), search_velocity.resize(size), max_deviation.resize(size);
+  allowed.resize(size), search_row.resize(size), search_way.resize(size);
   near_surface.resize(size), flat_parts.resize(list.size()), bearable.resize(list.size()), sealed.resize(list.size());
   own_search.resize(list.size());
   for (const std::uint32_t n : g.members) {
@@ -177,18 +196,23 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
     for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
       near.near_vertex.push_back(i);
       near_surface[i] = n;
-      search_position[i] = current_position(i);
-      search_velocity[i] = delta_position[i].w != 0 ? velocity[i].vec() : Vec3(0, 0, 0);
+      const Row4* rest = near.kept ? &near.rest[i - s.first] : nullptr;
+      search_position[i] = rest ? rest->vec() : current_position(i);
+      search_velocity[i] = delta_position[i].w != 0 && !rest ? velocity[i].vec() : Vec3(0, 0, 0);
       const Vec3 beside = search_velocity[i] - near.drift, far = search_position[i] + time * beside;
       // a point that the projection holds back to the drift deviates by all of its motion
-      max_deviation[i] = delta_position[i].w == 0 ? Real(0) : bearable[n] + (held ? time * length(beside) : Real(0));
+      max_deviation[i] = rest                       ? rest->w
+                         : delta_position[i].w == 0 ? Real(0)
+                                                    : bearable[n] + (held ? time * length(beside) : Real(0));
       Aabb& b = vertex_box[i];
       b.lo = search_position[i].cwiseMin(far), b.hi = search_position[i].cwiseMax(far);
       b.grow(max_deviation[i] + Real(1.1) * half);
     }
   }
   bound_others(g);
-  measure_parts(g, time, held);
+  measure_parts(g, time, held || near.kept);
+  for (const std::uint32_t i : near.near_vertex)
+    search_row[i].set(search_position[i]), search_row[i].w = max_deviation[i], search_way[i].set(search_velocity[i]);
   // features that may be in contact
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
@@ -218,65 +242,87 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
   }
 }
 
-// Adds the candidate unless its distance is more than it can close in `time`.
-void SurfaceContact::Impl::add_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time) {
+// Offers a pair of features to test_offered, unless its surfaces do not collide.
+void SurfaceContact::Impl::offer_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time) {
   FEDER_ASSERT(v[0] != v[2] && v[0] != v[3] && v[1] != v[2] && v[1] != v[3]);
   FEDER_ASSERT(edges || (v[0] != v[1] && v[2] != v[3]));
   const std::uint32_t surface_a = near_surface[v[0]], surface_b = near_surface[v[3]];
   FEDER_ASSERT(surface_a < list.size() && surface_b < list.size());
   FEDER_ASSERT(near_surface[v[2]] == surface_b && near_surface[v[1]] == (edges ? surface_a : surface_b));
-  const Surface &a = list[surface_a], &b = list[surface_b];
   const std::uint32_t both = surface_a == surface_b ? kNone : surface_pair_of(surface_a, surface_b);
-  if (surface_a == surface_b ? !a.active || !a.self : both == kNone) return;
+  if (surface_a == surface_b ? !list[surface_a].active || !list[surface_a].self : both == kNone) return;
   if (!link_marks.empty() && linked(v, edges)) return;
-  // distance now, largest closing speed of any two points, and deviations of both features
-  Real weight[4];
-  const Vec3 gap = gap_vector(
-      v, edges, [&](std::uint32_t i) { return search_position[i]; }, weight);
-  const Real distance = length(gap), wanted = Real(0.5) * (a.thickness + b.thickness);
-  const std::uint32_t split = edges ? 2 : 1;
-  Real closing = 0, own[2] = {0, 0};
-  for (std::uint32_t i = 0; i < 4; ++i) own[i >= split] = std::max(own[i >= split], max_deviation[v[i]]);
-  for (std::uint32_t i = 0; i < split; ++i)
-    for (std::uint32_t j = split; j < 4; ++j) {
-      const Vec3 u = search_velocity[v[i]] - search_velocity[v[j]];
-      closing = std::max(closing, dot(u, u));
-    }
-  closing = std::sqrt(closing);
-  const Real free = distance - kNear * wanted - own[0] - own[1];  // m, to be closed by extrapolated motion
-  if (free > time * closing || !(distance > Real(1e-5) * wanted)) return;
-  NearPair p;
+  NearPair& p = near.offered.emplace_back();
   std::copy(v, v + 4, p.v);
-  p.edges = edges;
-  p.surface_pair = both;
-  p.thickness = wanted;
-  p.idle = free > 0 ? free / closing : Real(0);
-  FEDER_ASSERT(!(p.idle < 0));
-  // within one surface: no row pushes apart what is that close at rest
-  if (&a == &b) {
-    Real rest_weight[4];
-    const Real rest = length(gap_vector(
-        v, edges, [&](std::uint32_t i) { return a.rest[i - a.first]; }, rest_weight));
-    p.thickness = std::min(wanted, kRestShare * rest);
+  p.edges = edges, p.surface_pair = both;
+  p.thickness = Real(0.5) * (list[surface_a].thickness + list[surface_b].thickness);
+  if (near.offered.size() == kOffered) test_offered(near, time);
+}
+
+// Adds the pairs offered, in order, but for those whose distance is more than they can close in `time`.
+void SurfaceContact::Impl::test_offered(NearSearch& near, Real time) {
+  for (std::uint32_t edges = 0; edges < 2; ++edges) {
+    near.which.clear();
+    for (std::uint32_t k = 0; k < near.offered.size(); ++k)
+      if (near.offered[k].edges == edges) near.which.push_back(k);
+    each_batch(near.offered, near.which, [&](PairBatch& b, auto&& pair, std::size_t count) {
+      const unsigned meets = kernels->meet(b, edges != 0, &search_row[0].x, &search_way[0].x, time);
+      for (std::size_t i = 0; i < count; ++i) {
+        NearPair& p = pair(i);
+        p.live = meets >> i & 1;
+        p.spare = b.distance.v[i] - b.wanted.v[i];
+        p.idle = b.closing.v[i];
+      }
+    });
   }
-  if (a.ignores_inside && tangled_pair(p)) return;
-  near.pairs.push_back(p);
+  for (NearPair& p : near.offered) {
+    if (!p.live) continue;
+    const std::uint32_t split = p.edges ? 2 : 1;
+    Real own[2] = {0, 0};
+    for (std::uint32_t i = 0; i < 4; ++i) own[i >= split] = std::max(own[i >= split], max_deviation[p.v[i]]);
+    const Real free = p.spare - own[0] - own[1];  // m, to be closed by extrapolated motion
+    p.idle = free > 0 ? free / p.idle : Real(0);
+    FEDER_ASSERT(!(p.idle < 0));
+    // within one surface: no row pushes apart what is that close at rest
+    if (p.surface_pair == kNone) p.thickness = std::min(p.thickness, kRestShare * rest_distance(p));
+    if (tangled_pair(p) && list[near_surface[p.v[0]]].ignores_inside) continue;
+    near.pairs.push_back(p);
+  }
+  near.offered.clear();
+}
+
+// Of a pair within one surface; where it is far beyond the thickness, less may be returned that is beyond it too.
+Real SurfaceContact::Impl::rest_distance(const NearPair& p) const {
+  const Surface& s = list[near_surface[p.v[0]]];
+  const auto at = [&](std::uint32_t i) { return s.rest[i - s.first]; };
+  const auto apart = [&](int i, int j) { return length(Vec3(at(p.v[i]) - at(p.v[j]))); };
+  const Real least = p.edges ? apart(0, 2) - apart(0, 1) - apart(2, 3) : apart(0, 1) - apart(1, 2) - apart(1, 3);
+  if (kRestShare * least > p.thickness) return least;
+  Real weight[4];
+  return length(gap_vector(p.v, p.edges, at, weight));
 }
 
 void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, Real time, bool held) {
-  near.pairs_stale = false;
+  near.kept = false;
+  list_features(g, near, time, held);
+  collect_pairs(g, near, time);
+}
+
+// The candidates among the features that list_features found.
+void SurfaceContact::Impl::collect_pairs(const SurfaceGroup& g, NearSearch& near, Real time) {
+  near.pairs_stale = false, near.listed = true;
+  ++search_total;
   near.since_found = 0;
   near.pairs.clear();
-  list_features(g, near, time, held);
   for (const std::uint32_t n : g.members) {
     if (own_search[n]) find_own_pairs(near, n, time);
     if (!flat_parts[n] || sealed[n]) continue;
     const std::uint32_t first = list[n].first;
     flat_parts[n]->find_pairs(kNear * list[n].thickness, [&](const std::uint32_t(&v)[4], bool edges) {
-      add_pair(near, {first + v[0], first + v[1], first + v[2], first + v[3]}, edges, time);
+      offer_pair(near, {first + v[0], first + v[1], first + v[2], first + v[3]}, edges, time);
     });
   }
-  if (near.near_point.empty() && near.near_edge.empty()) return;
+  if (near.near_point.empty() && near.near_edge.empty()) return test_offered(near, time);
   // the trees are refitted by later searches of the step but built anew in the next one: the order of near.pairs must
   // follow from the state at the start of a step
   const std::span<const Aabb> triangle_boxes(near.triangle_box.data(), near.triangle_box.size()),
@@ -290,15 +336,16 @@ void SurfaceContact::Impl::find_pairs(const SurfaceGroup& g, NearSearch& near, R
       FEDER_ASSERT(t < near.triangle_box.size());
       const std::uint32_t* k = &near.near_triangle[3 * t];
       if (k[0] != i && k[1] != i && k[2] != i && searched_together(i, k[2]))
-        add_pair(near, {i, k[0], k[1], k[2]}, false, time);
+        offer_pair(near, {i, k[0], k[1], k[2]}, false, time);
     });
   }
   // edges against later edges
   near.edge_tree.pairs([&](std::uint32_t e, std::uint32_t f) {
     const std::uint32_t a = near.near_edge[2 * e], b = near.near_edge[2 * e + 1];
     const std::uint32_t p = near.near_edge[2 * f], q = near.near_edge[2 * f + 1];
-    if (a != p && a != q && b != p && b != q && searched_together(a, p)) add_pair(near, {a, b, p, q}, true, time);
+    if (a != p && a != q && b != p && b != q && searched_together(a, p)) offer_pair(near, {a, b, p, q}, true, time);
   });
+  test_offered(near, time);
 }
 
 // Normal, distance and weights at the present positions.
@@ -307,6 +354,26 @@ void SurfaceContact::Impl::measure(NearPair& p, Real (&weight)[4]) const {
       p.v, p.edges, [&](std::uint32_t i) { return current_position(i); }, weight);
   p.distance = length(gap);
   p.normal = normalized_or(gap, Vec3(0, 1, 0));
+}
+
+// The same for all live pairs, eight at a time.
+void SurfaceContact::Impl::measure_live(NearSearch& near) {
+  now_row.resize(delta_position.size());
+  for (const std::uint32_t i : near.near_vertex) now_row[i].set(current_position(i));
+  for (std::uint32_t edges = 0; edges < 2; ++edges) {
+    near.which.clear();
+    for (std::uint32_t k = 0; k < near.pairs.size(); ++k)
+      if (near.pairs[k].live && near.pairs[k].edges == edges) near.which.push_back(k);
+    each_batch(near.pairs, near.which, [&](PairBatch& b, auto&& pair, std::size_t count) {
+      kernels->measure(b, edges != 0, &now_row[0].x);
+      for (std::size_t i = 0; i < count; ++i) {
+        NearPair& p = pair(i);
+        p.distance = b.distance.v[i];
+        p.normal = normalized_or(Vec3(b.gap.x.v[i], b.gap.y.v[i], b.gap.z.v[i]), Vec3(0, 1, 0));
+        for (int k = 0; k < 4; ++k) p.weight[k] = b.weight[k].v[i];
+      }
+    });
+  }
 }
 
 // Number of parts in which a substep is searched and projected: more than one where bodies approach by more than half a
@@ -328,13 +395,13 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
     std::copy(first, first + list[n].total, projection_start.begin() + list[n].first);
   }
   // a candidate gets a row when it can come within its thickness in twice the part's motion
-  if (near.pairs_stale) find_pairs(g, near, time, false);
+  update_pairs(g, near, time, part);
+  for (NearPair& p : near.pairs) p.live = near.kept ? in_reach(p) : near.since_found + part >= p.idle;
+  measure_live(near);
   for (NearPair& p : near.pairs) {
-    p.live = near.since_found + part >= p.idle;
     if (!p.live) continue;
-    Real weight[4];
-    measure(p, weight);
     if (tangled_pair(p)) continue;
+    const Real(&weight)[4] = p.weight;
     Vec3 u = Vec3::Zero(), d = Vec3::Zero();
     Real held = 0;
     for (int k = 0; k < 4; ++k) {
@@ -359,6 +426,7 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
     r.relaxation = std::min(a.relaxation, b.relaxation);
     g.near_rows.push_back(r);
   }
+  batch_rows(g, near);
 }
 
 // Impulses of the rows between two surfaces, for the contact book. Self-contact has no events.

@@ -28,6 +28,11 @@ Vec3 SurfaceContact::Impl::deviation(const NearSearch& near, std::uint32_t i) co
 // searches anew, when one has used most of it or is about to.
 bool SurfaceContact::Impl::within_search(NearSearch& near, Real part) {
   bool good = true;
+  if (near.kept) {
+    for (const std::uint32_t i : near.near_vertex)
+      good = good && (delta_position[i].w == 0 || !(length(deviation(near, i)) > allowed[i]));
+    return good;
+  }
   for (const std::uint32_t i : near.near_vertex) {
     FEDER_ASSERT(near_surface[i] < list.size() && !(max_deviation[i] < 0));
     if (delta_position[i].w == 0) continue;
@@ -189,8 +194,8 @@ Real SurfaceContact::Impl::freedom(const NearPair& p) {
 }
 
 // Searches this part again from its start, along the true displacements: some vertices deviated from the extrapolated
-// motion by more than the search allowed, or impact zones are to hold them back, which takes more candidates.
-void SurfaceContact::Impl::search_again(const SurfaceGroup& g, NearSearch& near, Real part) {
+// motion by more than the search allowed, or impact zones are to hold them back, which takes more candidates (`held`).
+void SurfaceContact::Impl::search_again(const SurfaceGroup& g, NearSearch& near, Real part, bool held) {
   FEDER_ASSERT(saved_velocity.empty());
   saved_displacement.resize(delta_position.size());
   for (const std::uint32_t i : near.near_vertex) saved_displacement[i] = delta_position[i];
@@ -201,7 +206,7 @@ void SurfaceContact::Impl::search_again(const SurfaceGroup& g, NearSearch& near,
     velocity[i].set((delta_position[i].vec() - projection_start[i].vec()) / part);
     delta_position[i].set(projection_start[i].vec());
   }
-  find_pairs(g, near, part, true);
+  find_pairs(g, near, part, held);
   for (NearPair& p : near.pairs) {
     Real weight[4];
     measure(p, weight);
@@ -220,15 +225,14 @@ void SurfaceContact::Impl::search_again(const SurfaceGroup& g, NearSearch& near,
 void SurfaceContact::Impl::project_pairs(const SurfaceGroup& g, NearSearch& near, Real part) {
   FEDER_ASSERT(part > 0);
   near.since_found += part;
-  bool wide = !within_search(near, part);
-  if (wide) search_again(g, near, part);
+  if (!within_search(near, part)) search_again(g, near, part, false);
   bool good = false;
   for (int pass = 0; pass < kPasses && !good; ++pass) {
     good = true;
     for (NearPair& p : near.pairs) good = separate(p, part, true) && good;
   }
   if (good && within_search(near, part)) return;
-  if (!wide) search_again(g, near, part);
+  search_again(g, near, part, true);
   project_out(near, part);
 }
 

@@ -29,14 +29,14 @@ void SurfaceContact::Impl::find_own_pairs(NearSearch& near, std::uint32_t n, Rea
   for (const BoxPair& p : own_pairs) {
     const std::uint32_t* v = triangle(p.b);
     if (v[0] != p.a && v[1] != p.a && v[2] != p.a)
-      add_pair(near, {s.first + p.a, s.first + v[0], s.first + v[1], s.first + v[2]}, false, time);
+      offer_pair(near, {s.first + p.a, s.first + v[0], s.first + v[1], s.first + v[2]}, false, time);
   }
   // edges against later edges
   search.within({own_edge_box.data(), own_edge_box.size()}, own_pairs);
   for (const BoxPair& p : own_pairs) {
     const std::uint32_t *a = ends(p.a), *b = ends(p.b);
     if (a[0] != b[0] && a[0] != b[1] && a[1] != b[0] && a[1] != b[1])
-      add_pair(near, {s.first + a[0], s.first + a[1], s.first + b[0], s.first + b[1]}, true, time);
+      offer_pair(near, {s.first + a[0], s.first + a[1], s.first + b[0], s.first + b[1]}, true, time);
   }
 }
 

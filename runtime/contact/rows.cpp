@@ -7,6 +7,7 @@
 // does not grow. Rows run in their makers' order, on one thread. Kept between calls: impulses of the rows. Weak spot:
 // Gauss-Seidel converges slowly for heavy bodies on light cloth.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "contact/body_point.h"
@@ -33,6 +34,14 @@ struct RowResponse {
   // With that of the solver body: the divisor of a correction or change of velocity.
   Real with(Real body) const { return std::max(sum + body, largest / kMaxMotion); }
 };
+
+// Calls f(row) for the rows that gave an impulse, in order.
+template <class F>
+void each_given(SurfaceGroup& g, const NearSearch& near, F&& f) {
+  for (std::size_t k = 0; k < near.given.size(); ++k)
+    for (unsigned left = near.given[k]; left != 0; left &= left - 1)
+      f(g.near_rows[k * kLanes + static_cast<std::size_t>(std::countr_zero(left))]);
+}
 }  // namespace
 
 // Solver bodies move by their velocities. Each group starts from their poses at the start of the substep.
@@ -79,61 +88,59 @@ void SurfaceContact::Impl::solve_attachments(StepContext& c) {
   }
 }
 
-void SurfaceContact::Impl::solve_rows(Array<SurfaceRow>& rows, bool near, Real h) {
+void SurfaceContact::Impl::solve_row(SurfaceRow& r, bool near, Real h) {
   const SolverBodies* solver_bodies = surfaces.solver_bodies;
-  for (SurfaceRow& r : rows) {
-    // displacement of the point since the start of the step, and its change in this solver substep
-    Vec3 d = Vec3::Zero(), change = Vec3::Zero();
-    RowResponse response;
-    for (int k = 0; k < 4; ++k) {
-      if (r.weight[k] == 0) continue;
-      FEDER_ASSERT(r.vertex[k] < delta_position.size());
-      const Row4& x = delta_position[r.vertex[k]];
-      d += r.weight[k] * x.vec();
-      change += r.weight[k] * (x.vec() - before[r.vertex[k]].vec());
-      if (before[r.vertex[k]].w != 0) change += (r.weight[k] * h) * velocity[r.vertex[k]].vec();
-      response.add(x.w, r.weight[k]);
-    }
-    const Real gap = r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm));
-    r.pushed = 0;
-    if (!(gap < 0)) continue;
-    FEDER_ASSERT(is_direction(r.normal) && !(r.friction < 0) && r.relaxation > 0);
-    FEDER_ASSERT(!near || r.contact_state == kNone || r.contact_state < surface_pairs.size());
-    if (r.solver_index != 0) change -= h * velocity_at(solver_bodies->state[r.solver_index], r.arm);
-    // normal: the closing of this solver substep at once, older overlap at kPushSpeed
-    const Real closing = dot(r.normal, change);
-    const Real along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
-    if (!(along > 0)) continue;
-    const Real need = std::min(-gap, kPushSpeed * h + std::max(-closing, Real(0)));
-    const Real push = r.relaxation * need / along;  // kg m
-    if (r.impulse == 0) r.approach = std::max(-closing / h, Real(0));
-    r.impulse += push / h, r.pushed = push / h;
-    FEDER_ASSERT(!(push < 0));  // contacts do not pull
-
-    // friction: the sliding of this solver substep, within the cone
-    Vec3 total = push * r.normal;
-    const Vec3 sliding = change - closing * r.normal - h * r.slide;
-    const Real slid = length(sliding);
-    if (r.friction > 0 && slid > 0) {
-      const Vec3 t = sliding / slid;
-      const Real across = response.with(surfaces.body_response(r.solver_index, r.arm, t));
-      total -= std::min(r.friction * push, slid / across) * t;
-    }
-    // both sides take the same correction
-    Real tilt[4] = {0, 0, 0, 0};
-    if (near) {
-      const Vec3 x[4] = {start(r.vertex[0], h), start(r.vertex[1], h), start(r.vertex[2], h), start(r.vertex[3], h)};
-      balance(r, x, total, push, tilt);
-    }
-    for (int k = 0; k < 4; ++k) {
-      if (r.weight[k] == 0 && tilt[k] == 0) continue;
-      Row4& x = delta_position[r.vertex[k]];
-      const Vec3 was = x.vec(), to = r.weight[k] * total + tilt[k] * r.normal;
-      x.add(x.w * to);
-      if (near && r.contact_state != kNone) account(r, k, x.vec() - was, to, h);
-    }
-    surfaces.push_body(r.solver_index, r.arm, -total, h);
+  // displacement of the point since the start of the step, and its change in this solver substep
+  Vec3 d = Vec3::Zero(), change = Vec3::Zero();
+  RowResponse response;
+  for (int k = 0; k < 4; ++k) {
+    if (r.weight[k] == 0) continue;
+    FEDER_ASSERT(r.vertex[k] < delta_position.size());
+    const Row4& x = delta_position[r.vertex[k]];
+    d += r.weight[k] * x.vec();
+    change += r.weight[k] * (x.vec() - before[r.vertex[k]].vec());
+    if (before[r.vertex[k]].w != 0) change += (r.weight[k] * h) * velocity[r.vertex[k]].vec();
+    response.add(x.w, r.weight[k]);
   }
+  const Real gap = r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm));
+  r.pushed = 0;
+  if (!(gap < 0)) return;
+  FEDER_ASSERT(is_direction(r.normal) && !(r.friction < 0) && r.relaxation > 0);
+  FEDER_ASSERT(!near || r.contact_state == kNone || r.contact_state < surface_pairs.size());
+  if (r.solver_index != 0) change -= h * velocity_at(solver_bodies->state[r.solver_index], r.arm);
+  // normal: the closing of this solver substep at once, older overlap at kPushSpeed
+  const Real closing = dot(r.normal, change);
+  const Real along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
+  if (!(along > 0)) return;
+  const Real need = std::min(-gap, kPushSpeed * h + std::max(-closing, Real(0)));
+  const Real push = r.relaxation * need / along;  // kg m
+  if (r.impulse == 0) r.approach = std::max(-closing / h, Real(0));
+  r.impulse += push / h, r.pushed = push / h;
+  FEDER_ASSERT(!(push < 0));  // contacts do not pull
+
+  // friction: the sliding of this solver substep, within the cone
+  Vec3 total = push * r.normal;
+  const Vec3 sliding = change - closing * r.normal - h * r.slide;
+  const Real slid = length(sliding);
+  if (r.friction > 0 && slid > 0) {
+    const Vec3 t = sliding / slid;
+    const Real across = response.with(surfaces.body_response(r.solver_index, r.arm, t));
+    total -= std::min(r.friction * push, slid / across) * t;
+  }
+  // both sides take the same correction
+  Real tilt[4] = {0, 0, 0, 0};
+  if (near) {
+    const Vec3 x[4] = {start(r.vertex[0], h), start(r.vertex[1], h), start(r.vertex[2], h), start(r.vertex[3], h)};
+    balance(r, x, total, push, tilt);
+  }
+  for (int k = 0; k < 4; ++k) {
+    if (r.weight[k] == 0 && tilt[k] == 0) continue;
+    Row4& x = delta_position[r.vertex[k]];
+    const Vec3 was = x.vec(), to = r.weight[k] * total + tilt[k] * r.normal;
+    x.add(x.w * to);
+    if (near && r.contact_state != kNone) account(r, k, x.vec() - was, to, h);
+  }
+  surfaces.push_body(r.solver_index, r.arm, -total, h);
 }
 
 Vec3 SurfaceContact::Impl::start(std::uint32_t i, Real h) const {
@@ -176,63 +183,93 @@ void SurfaceContact::Impl::balance(const SurfaceRow& r, const Vec3 (&x)[4], cons
 // Fully plastic contact: where a row that pushed now separates, the relative velocity along the normal becomes zero. A
 // row that other rows have pushed open in this solver substep gives back what it gave in it: on a curved body the
 // points of an edge lie farther out than its middle, and would bounce for ever.
-void SurfaceContact::Impl::stop_rebound(Array<SurfaceRow>& rows, bool near, Real h) {
+void SurfaceContact::Impl::stop_rebound(SurfaceRow& r, bool near, Real h) {
   SolverBodies* solver_bodies = surfaces.solver_bodies;
-  for (SurfaceRow& r : rows) {
-    if (r.impulse == 0) continue;
-    // only rows that are still closed, or were when this solver substep began
-    Vec3 d = Vec3::Zero(), u = Vec3::Zero();
-    RowResponse response;
-    for (int k = 0; k < 4; ++k) {
-      if (r.weight[k] == 0) continue;
-      d += r.weight[k] * delta_position[r.vertex[k]].vec();
-      u += r.weight[k] * velocity[r.vertex[k]].vec();
-      response.add(delta_position[r.vertex[k]].w, r.weight[k]);
+  if (r.impulse == 0) return;
+  // only rows that are still closed, or were when this solver substep began
+  Vec3 d = Vec3::Zero(), u = Vec3::Zero();
+  RowResponse response;
+  for (int k = 0; k < 4; ++k) {
+    if (r.weight[k] == 0) continue;
+    d += r.weight[k] * delta_position[r.vertex[k]].vec();
+    u += r.weight[k] * velocity[r.vertex[k]].vec();
+    response.add(delta_position[r.vertex[k]].w, r.weight[k]);
+  }
+  const bool of_fluid = r.solver_index != 0 && r.contact_state == kNone;
+  const bool open = r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm)) > Real(1e-3) * h;
+  if (open && (of_fluid || r.pushed == 0)) return;
+  if (r.solver_index != 0) u -= velocity_at(solver_bodies->state[r.solver_index], r.arm);
+  const Real parting = dot(r.normal, u), along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
+  if (!(parting > 0) || !(along > 0)) return;
+  // no more than the row has given; to a particle of a fluid in all solver substeps, or it would be held by the sheet
+  const Real impulse = std::min(parting / along, of_fluid ? r.impulse - r.returned : open ? r.pushed : r.impulse);
+  if (!(impulse > 0)) return;
+  r.returned += impulse;
+  Real tilt[4] = {0, 0, 0, 0};
+  if (near) {
+    const Vec3 x[4] = {current_position(r.vertex[0]), current_position(r.vertex[1]), current_position(r.vertex[2]),
+                       current_position(r.vertex[3])};
+    balance(r, x, impulse * r.normal, impulse, tilt);
+  }
+  for (int k = 0; k < 4; ++k) {
+    if (r.weight[k] == 0 && tilt[k] == 0) continue;
+    Row4& v = velocity[r.vertex[k]];
+    const Vec3 was = v.vec(), push = (-r.weight[k] * impulse - tilt[k]) * r.normal;
+    v.add(delta_position[r.vertex[k]].w * push);
+    if (near && r.contact_state != kNone) account(r, k, v.vec() - was, push, 1);
+  }
+  if (r.solver_index == 0) return;
+  // of a body only velocities change, its displacement stands
+  const SolverMass& mm = solver_bodies->mass[r.solver_index];
+  SolverBody& m = solver_bodies->state[r.solver_index];
+  m.velocity += mm.inv_mass_axes.cwiseProduct(impulse * r.normal);
+  m.angular_velocity += mm.inv_inertia * cross(r.arm, impulse * r.normal);
+}
+
+// The rows that make_near_rows made; none has given an impulse.
+void SurfaceContact::Impl::batch_rows(const SurfaceGroup& g, NearSearch& near) const {
+  const std::size_t rows = g.near_rows.size(), count = (rows + kLanes - 1) / kLanes;
+  near.batches.resize(count), near.given.assign(count, 0);
+  for (std::size_t k = 0; k < kLanes * count; ++k) {
+    RowBatch& b = near.batches[k / kLanes];
+    const std::size_t lane = k % kLanes;
+    const bool whole = k < rows;
+    const SurfaceRow& r = g.near_rows[whole ? k : 0];
+    for (int i = 0; i < 4; ++i) b.v[i][lane] = r.vertex[i], b.weight[i].v[lane] = whole ? r.weight[i] : Real(0);
+    b.normal.x.v[lane] = r.normal[0], b.normal.y.v[lane] = r.normal[1], b.normal.z.v[lane] = r.normal[2];
+    b.offset.v[lane] = whole ? r.offset : Real(1);
+  }
+}
+
+// Row after row; eight are asked together whether they are closed, and where one is those behind it again, since it
+// moves what they share.
+void SurfaceContact::Impl::solve_near(SurfaceGroup& g, NearSearch& near, Real h) {
+  const auto count = static_cast<unsigned>(near.batches.size());
+  if (count == 0) return;
+  each_given(g, near, [](SurfaceRow& r) { r.pushed = 0; });
+  unsigned closed = 0;
+  for (unsigned k = 0;; ++k) {
+    k = kernels->next_closed(near.batches.data(), k, count, &delta_position[0].x, closed);
+    if (k >= count) return;
+    const std::size_t first = k * kLanes, last = std::min(first + kLanes, g.near_rows.size());
+    for (std::size_t r = first + static_cast<std::size_t>(std::countr_zero(closed)); r < last; ++r) {
+      solve_row(g.near_rows[r], true, h);
+      if (g.near_rows[r].impulse != 0) near.given[k] |= static_cast<unsigned char>(1u << (r - first));
     }
-    const bool of_fluid = r.solver_index != 0 && r.contact_state == kNone;
-    const bool open = r.offset + dot(r.normal, d - surfaces.body_displacement(r.solver_index, r.arm)) > Real(1e-3) * h;
-    if (open && (of_fluid || r.pushed == 0)) continue;
-    if (r.solver_index != 0) u -= velocity_at(solver_bodies->state[r.solver_index], r.arm);
-    const Real parting = dot(r.normal, u),
-               along = response.with(surfaces.body_response(r.solver_index, r.arm, r.normal));
-    if (!(parting > 0) || !(along > 0)) continue;
-    // no more than the row has given; to a particle of a fluid in all solver substeps, or it would be held by the sheet
-    const Real impulse = std::min(parting / along, of_fluid ? r.impulse - r.returned : open ? r.pushed : r.impulse);
-    if (!(impulse > 0)) continue;
-    r.returned += impulse;
-    Real tilt[4] = {0, 0, 0, 0};
-    if (near) {
-      const Vec3 x[4] = {current_position(r.vertex[0]), current_position(r.vertex[1]), current_position(r.vertex[2]),
-                         current_position(r.vertex[3])};
-      balance(r, x, impulse * r.normal, impulse, tilt);
-    }
-    for (int k = 0; k < 4; ++k) {
-      if (r.weight[k] == 0 && tilt[k] == 0) continue;
-      Row4& v = velocity[r.vertex[k]];
-      const Vec3 was = v.vec(), push = (-r.weight[k] * impulse - tilt[k]) * r.normal;
-      v.add(delta_position[r.vertex[k]].w * push);
-      if (near && r.contact_state != kNone) account(r, k, v.vec() - was, push, 1);
-    }
-    if (r.solver_index == 0) continue;
-    // of a body only velocities change, its displacement stands
-    const SolverMass& mm = solver_bodies->mass[r.solver_index];
-    SolverBody& m = solver_bodies->state[r.solver_index];
-    m.velocity += mm.inv_mass_axes.cwiseProduct(impulse * r.normal);
-    m.angular_velocity += mm.inv_inertia * cross(r.arm, impulse * r.normal);
   }
 }
 
 void SurfaceContact::Impl::solve(StepContext& c) {
   SurfaceGroup& g = group(c);
   surfaces.row_updates += g.attachments.size() + g.near_rows.size() + g.rows.size();
-  solve_rows(g.near_rows, true, g.step);
-  solve_rows(g.rows, false, g.step);
+  solve_near(g, search(c), g.step);
+  for (SurfaceRow& r : g.rows) solve_row(r, false, g.step);
 }
 
 void SurfaceContact::Impl::rebound(StepContext& c) {
   SurfaceGroup& g = group(c);
-  stop_rebound(g.near_rows, true, g.step);
-  stop_rebound(g.rows, false, g.step);
+  each_given(g, search(c), [&](SurfaceRow& r) { stop_rebound(r, true, g.step); });
+  for (SurfaceRow& r : g.rows) stop_rebound(r, false, g.step);
 }
 
 }  // namespace feder

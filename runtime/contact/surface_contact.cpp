@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/wide.h"
 #include "contact/impl.h"
 #include "contact/seen_pairs.h"
 #include "contact/tangles.h"
@@ -31,7 +32,11 @@ SurfaceContact::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), store(s.store), objects(s.objects), contacts(s.store.need<ContactBook>(kName)),
       structure_changed(s.structure_changed), finder(contacts.finder(kName)), surfaces(s.store.need<Surfaces>(kName)),
       list(surfaces.list), position(surfaces.position), mass(surfaces.mass), delta_position(surfaces.delta_position),
-      before(surfaces.before), velocity(surfaces.velocity), surface_pairs(surfaces.pairs) {}
+      before(surfaces.before), velocity(surfaces.velocity), surface_pairs(surfaces.pairs) {
+#if defined(__x86_64__) || defined(__i386__)
+  if (runs_avx2()) kernels = &kNearKernelsAvx2;
+#endif
+}
 
 void SurfaceContact::add_passes(StepPlan& plan) {
   Impl* m = impl_.get();
@@ -75,7 +80,7 @@ void SurfaceContact::Impl::begin_step(StepContext& c) {
   jobs = c.jobs;
   surfaces.begin();
   surfaces.row_updates = 0;
-  projected = widened = 0;
+  projected = widened = search_total = 0;
   mismatch = given = 0;
   pairs_seen = 0;
 }
@@ -157,12 +162,14 @@ void SurfaceContact::save(Writer& w) const {
   const bool any = links && !links->list.empty();
   w.add(any);
   if (any) w.list(links->list);
+  impl_->save_kept(w);
 }
 
 void SurfaceContact::load(Reader& r) {
   SurfaceLinks* links = impl_->store.find<SurfaceLinks>();
   if (links) links->list.clear();
   if (r.get<bool>()) r.list(impl_->store.need<SurfaceLinks>(kName).list);
+  impl_->load_kept(r);
   *impl_->structure_changed = true;
   impl_->surfaces.forget();
   impl_->surfaces.wakes.clear();
@@ -172,6 +179,7 @@ void SurfaceContact::residuals(std::vector<Residual>& out) const {
   const Impl& m = *impl_;
   out.push_back({"contact.guarded", static_cast<double>(m.projected)});
   out.push_back({"contact.widened", static_cast<double>(m.widened)});
+  out.push_back({"contact.searches", static_cast<double>(m.search_total)});
   out.push_back({"contact.impulse_mismatch", m.given > 0 ? m.mismatch / m.given : 0});
   out.push_back({"contact.impulse_ns", m.given});
   out.push_back({"contact.pairs", static_cast<double>(m.pairs_seen)});
