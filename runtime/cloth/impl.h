@@ -62,6 +62,7 @@ struct Cloth::Impl {
   void measure_paths(Sheet& s);
   void make_ties(Sheet& s);
   void place_ties(Sheet& s);
+  Real pins_apart(const Sheet& s) const;
   void declare_surfaces();
   void show(const Sheet& s);  // adds its surface
   void solve_body_ties(StepContext& c);
