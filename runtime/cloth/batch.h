@@ -76,8 +76,9 @@ struct ClothPass {
 struct ClothKernels {
   void (*links)(const ClothPass&);
   void (*limited_links)(const ClothPass&);  // that stretch to p.stretched at most
-  void (*closed_links)(const ClothPass&);   // of a skin under pressure, in its first sweep
-  void (*limit_links)(const ClothPass&);    // the same without their force
+  void (*taut_links)(const ClothPass&);     // of a cloth that tension holds, in its first sweep
+  void (*limited_taut_links)(const ClothPass&);
+  void (*limit_links)(const ClothPass&);  // the same without their force
   void (*ties)(const ClothPass&);
   void (*hinges)(const ClothPass&);
   void (*bend_hinges)(const ClothPass&);

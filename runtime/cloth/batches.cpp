@@ -217,9 +217,9 @@ void ClothBatches::solve(const ClothView& v, Real h, bool hinges, Sweep sweep, S
   ClothPass pass = this->pass(v, h);
   pass.inv_h2 = 1 / (h * h), pass.again = sweep.index > 0, pass.once = sweep.count == 1;
   pass.stretched = 1 + v.max_strain;
-  run(v.max_strain < kInfinity    ? kernels_->limited_links
-      : v.inflated && !pass.again ? kernels_->closed_links
-                                  : kernels_->links,
+  const bool limited = v.max_strain < kInfinity, taut = v.taut && !pass.again;
+  run(limited ? (taut ? kernels_->limited_taut_links : kernels_->limited_links)
+              : (taut ? kernels_->taut_links : kernels_->links),
       link_colors_, pass, c);
   if (hinges) run(kernels_->hinges, hinge_colors_, pass, c);
 }

@@ -44,7 +44,7 @@ struct DescentPass {
   unsigned first, last;      // range of batches, or of bends
   WideReal* delta_position;  // Row4 as four numbers each
   const WideReal* before;    // likewise, at the start of the solver substep
-  WideReal* force;           // Row4: of the links at that start, N
+  WideReal* force;           // Row4: of links and hinges at that start, N
   WideReal* angle;           // of hinges, from rest, times the root of the stiffness
   WideReal inv_h2;           // 1/h^2 of the solver substep
   WideReal relaxation;

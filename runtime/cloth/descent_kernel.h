@@ -6,7 +6,8 @@
 namespace feder {
 namespace {
 
-// Link forces at the start of the solver substep, and strain limits, as solve_links has them.
+// Elastic forces at the start of the solver substep, of links and of hinges that take part, and strain limits, as
+// solve_links has them.
 void begin_descent(const DescentPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     const DescentBatch& b = p.batches[i];
@@ -18,6 +19,12 @@ void begin_descent(const DescentPass& p) {
       const Lanes size = square_root(dot(e, e)), rest = load(l.rest);
       store(l.longest, max(rest * all_lanes(p.stretched), size - all_lanes(p.shed)));
       force = force + e * (load(l.stiffness) * (size - rest) * reciprocal_or_zero(size));
+    }
+    for (unsigned k = b.first_hinge; k < b.last_hinge && p.hinged; ++k) {
+      const DescentHinge& h = p.hinges[k];
+      Lane8 angle;
+      for (int n = 0; n < kLanes; ++n) angle.v[n] = p.angle[h.hinge[n]];
+      force = force - load(h.gradient) * load(angle);
     }
     scatter(p.force, b.self, {force, zero_lanes()});
   }

@@ -75,6 +75,7 @@ struct Cloth::Impl {
   void show_tangles(const Sheet& s, Surface& f);
   static bool untangles(const Sheet& s);
   void read_tangles(StepContext& c);
+  Real pins_apart(const Sheet& s) const;
   void declare_surfaces();
   void show(const Sheet& s);  // adds its surface
   void solve_body_ties(StepContext& c);

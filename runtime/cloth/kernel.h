@@ -83,10 +83,10 @@ typedef WideReal Half __attribute__((vector_size(4 * sizeof(WideReal))));
 
 // XPBD rows of links. With a strain limit the row has no compliance where that pulls more: C = |e| - rest stretched <=
 // 0.
-// In a closed skin under pressure the moves of a row are undone by its neighbours', half of them after it: its length
-// at the end is what a link with half of the inverse masses more compliance has. kClosed takes that off, down to none.
+// In a cloth that tension holds the moves of a row are undone by its neighbours', half of them after it: its length at
+// the end is what a link with half of the inverse masses more compliance has. kTaut takes that off, down to none.
 // kOnce: one sweep does, so multipliers are not kept.
-template <bool kLimited, bool kClosed, bool kOnce>
+template <bool kLimited, bool kTaut, bool kOnce>
 void sweep_links(const ClothPass& p) {
   const Lanes inv_h2 = all_lanes(p.inv_h2);
   for (unsigned i = p.first; i < p.last; ++i) {
@@ -95,7 +95,7 @@ void sweep_links(const ClothPass& p) {
     const Lanes3 e = load(c.base) + (b.v - a.v);
     const Lanes size = square_root(dot(e, e));
     Lanes alpha = load(c.compliance) * inv_h2;
-    if (kClosed) {
+    if (kTaut) {
       const LaneMask both = (a.w > zero_lanes()) & (b.w > zero_lanes());
       alpha = max(alpha - select(both, all_lanes(0.5f) * (a.w + b.w), zero_lanes()), zero_lanes());
     }
@@ -115,9 +115,9 @@ void sweep_links(const ClothPass& p) {
   }
 }
 
-template <bool kLimited, bool kClosed = false>
+template <bool kLimited, bool kTaut = false>
 void solve_links(const ClothPass& p) {
-  p.once ? sweep_links<kLimited, kClosed, true>(p) : sweep_links<kLimited, kClosed, false>(p);
+  p.once ? sweep_links<kLimited, kTaut, true>(p) : sweep_links<kLimited, kTaut, false>(p);
 }
 
 // Strain limit alone, after a solver that has forces of its own (Provot 1995).
@@ -340,10 +340,19 @@ void damp_stage(const ClothPass& p) {
   }
 }
 
-constexpr ClothKernels kKernels = {solve_links<false>, solve_links<true>, solve_links<false, true>,
-                                   limit_links,        solve_ties,        solve_hinges,
-                                   bend_hinges,        bend_flat,         damp_links,
-                                   damp_hinges,        damp_begin,        damp_stage};
+constexpr ClothKernels kKernels = {solve_links<false>,
+                                   solve_links<true>,
+                                   solve_links<false, true>,
+                                   solve_links<true, true>,
+                                   limit_links,
+                                   solve_ties,
+                                   solve_hinges,
+                                   bend_hinges,
+                                   bend_flat,
+                                   damp_links,
+                                   damp_hinges,
+                                   damp_begin,
+                                   damp_stage};
 
 }  // namespace
 }  // namespace feder

@@ -77,7 +77,7 @@ struct ClothTies {
     bool body = false;  // reversed: `vertex` is the pin that the attached `anchor` hangs from
   };
   Array<ToBody> to_body;      // in the order of the attachments
-  Array<std::uint32_t> pins;  // a sample of pins that lie far from each other
+  Array<std::uint32_t> pins;  // a sample of pins that lie far from each other, also where nothing is tied
 };
 
 // Gas in a closed mesh, see pressure.cpp; follows from mesh and positions.
@@ -124,6 +124,7 @@ struct Sheet {
   Real mass = 0;                        // kg
   Vec3 gained_momentum = Vec3::Zero();  // kg m^2/s, angular momentum error of its solver in this substep
   bool any_pin = false;
+  bool framed = false;        // its pins are farther apart than the cloth is at rest
   bool beside_body = false;   // bodies may touch it in this step
   bool prepared = false;      // its solver, for this step
   bool gusty = true;          // still air is not known for this step, or changes within it

@@ -24,7 +24,7 @@ struct ClothView {
   std::uint64_t version = 0;                  // changes with the mesh
   std::uint64_t rests = 0;                    // changes with rest lengths and angles too, where `flows`
   bool flows = false;                         // plastic
-  bool inflated = false;                      // a closed mesh under pressure
+  bool taut = false;                          // tension holds it: closed under pressure, or in a frame too large
   Real damping = 0;                           // s
   Real max_strain = kInfinity;                // of links
   std::span<TieBatch> ties;                   // to fixed anchors

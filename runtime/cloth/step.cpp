@@ -16,8 +16,9 @@
 
 namespace feder {
 namespace {
-constexpr Real kMinGravity = 1;  // m/s^2, at least: weightless cloth is pulled by something else
-constexpr double kStay = 0.9;    // hysteresis: a number that falls by less than this share stays
+constexpr Real kMinGravity = 1;        // m/s^2, at least: weightless cloth is pulled by something else
+constexpr double kStay = 0.9;          // hysteresis: a number that falls by less than this share stays
+constexpr Real kFramed = Real(1.002);  // pins farther apart than at rest by more stretch the cloth between them
 
 // Strain that sweeps may leave. Where ties to pins hold a cloth that bears nothing, what they leave is below their
 // limit whatever the sweeps do. At a single pin all of the weight hangs from a few links, and ties are slack along the
@@ -53,7 +54,7 @@ ClothView Cloth::Impl::view(Sheet& s) {
   v.points = s.points, v.total = s.total;
   v.version = s.version;
   v.rests = s.rests, v.flows = s.settings.flows();
-  v.inflated = s.settings.pressure != 0 && s.gas.closed;
+  v.taut = s.framed || (s.settings.pressure != 0 && s.gas.closed);
   v.damping = s.settings.damping;
   v.max_strain = s.limited() ? s.settings.max_strain : kInfinity;
   v.ties = s.ties.batches, v.tie_layers = s.ties.layers;
@@ -136,6 +137,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
     if (s.settings.substeps > 0) {
       s.state.substeps = s.settings.substeps;
     } else {
+      if (const bool framed = pins_apart(s) > kFramed; framed != s.framed) s.framed = framed, s.bend_step = -1;
       if (s.bend_step != c.h) s.bend_step = c.h, s.bend_substeps = s.solver->wanted_substeps(view(s), c.h);
       double wanted = s.bend_substeps;
       const bool sheds = s.solver->sheds_strain();

@@ -111,12 +111,13 @@ void pick_far(std::span<const std::uint32_t> pins, std::span<const Vec3> rest, A
 void Cloth::Impl::make_ties(Sheet& s) {
   ClothTies& t = s.ties;
   t.batches.clear(), t.anchor.clear(), t.rest.clear(), t.layers.clear(), t.to_body.clear(), t.pins.clear();
-  if (!(s.settings.max_strain < kInfinity)) return;
   const std::span<const Vec3> rest(vertices.rest.data() + s.first, s.points);
   // anchors: pins, and attached vertices that are not pinned
   std::vector<std::uint32_t> pins, held;
   for (std::uint32_t i = 0; i < s.points; ++i)
     if (vertices.inv_mass[s.first + i] == 0) pins.push_back(i);
+  if (!pins.empty() && pins.size() < s.points) pick_far(pins, rest, t.pins);
+  if (!(s.settings.max_strain < kInfinity)) return;
   for (const Attachment& a : attachments)
     if (a.vertex >= s.first && a.vertex < s.first + s.points && vertices.inv_mass[a.vertex] != 0)
       held.push_back(a.vertex - s.first);
@@ -124,7 +125,6 @@ void Cloth::Impl::make_ties(Sheet& s) {
   if (pins.size() < s.points && !pins.empty()) {
     Geodesic distances(s.mesh, rest, s.points, kNearest);
     distances.spread(pins);
-    pick_far(pins, rest, t.pins);
     for (std::size_t n = 0; n < kNearest; ++n) {
       int lane = kLanes;
       for (std::uint32_t i = 0; i < s.points; ++i) {
@@ -157,19 +157,25 @@ void Cloth::Impl::make_ties(Sheet& s) {
       t.to_body.push_back({i, l.anchor, static_cast<Real>(l.distance), false});
 }
 
+// The largest distance between two pins of the sample, over that at rest.
+Real Cloth::Impl::pins_apart(const Sheet& s) const {
+  const Vec3 *x = vertices.position.data() + s.first, *rest = vertices.rest.data() + s.first;
+  Real most = 0;
+  for (std::size_t a = 0; a < s.ties.pins.size(); ++a)
+    for (std::size_t b = 0; b < a; ++b) {
+      const std::uint32_t i = s.ties.pins[a], j = s.ties.pins[b];
+      most = std::max(most, length(x[i] - x[j]) / length(rest[i] - rest[j]));
+    }
+  return most;
+}
+
 // Positions of anchors in this step, and lengths of ties.
 void Cloth::Impl::place_ties(Sheet& s) {
   ClothTies& t = s.ties;
   if (t.batches.empty()) return;
   const Vec3* x = vertices.position.data() + s.first;
-  const Vec3* rest = vertices.rest.data() + s.first;
   const Real longest = 1 + s.settings.max_strain;
-  Real separation = 1;  // of pins, over what the cloth allows
-  for (std::size_t a = 0; a < t.pins.size(); ++a)
-    for (std::size_t b = 0; b < a; ++b) {
-      const std::uint32_t i = t.pins[a], j = t.pins[b];
-      separation = std::max(separation, length(x[i] - x[j]) / (longest * length(rest[i] - rest[j])));
-    }
+  const Real separation = std::max(Real(1), pins_apart(s) / longest);  // over what the cloth allows
   FEDER_ASSERT(t.anchor.size() == t.batches.size() * kLanes && !s.paths_stale);
   // bodies on it push the cloth against its ties and do not know them: there the links hold first
   const Real limit = (1 + (1 - s.unladen() * (1 - kTieShare)) * s.settings.max_strain) * separation;

@@ -75,6 +75,7 @@ class Vbd final : public ClothSolver {
     if (bends && !stiff_) batches_.bend(v, h, c);
     aim(v, h, c);
     // guess
+    if (p.hinged) run({0, static_cast<std::uint32_t>(bends_.size())}, p, kernels_->bend, c);
     run({0, static_cast<std::uint32_t>(descent_.size())}, p, kernels_->begin, c);
     each_vertex(v, c, [&](std::uint32_t i) {
       if (v.delta_position[i].w == 0) return;

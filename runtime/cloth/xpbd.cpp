@@ -20,8 +20,8 @@ namespace feder {
 namespace {
 
 constexpr double kBendShare = 0.1;  // h^2 k sum w |gradient|^2 that is wanted for the stiffest hinge
-constexpr double kSkinShare =
-    1.4;  // h^2 sum k/m of a vertex of a skin under pressure: what kernel.h takes off is there
+// h^2 sum k/m of a vertex of a cloth that tension holds: what kernel.h takes off is there
+constexpr double kTautShare = 1.4;
 constexpr double kSoftHinge = 0.12;      // largest value of it at which hinges push as forces
 constexpr int kTogether = 9;             // solver substeps that one push of soft hinges may stand for, odd
 constexpr JobGrain kGrain{1024, 4'000};  // vertices per job
@@ -67,10 +67,11 @@ class Xpbd final : public ClothSolver {
   double longest_damping(Real h) const override { return batches_.longest_damping(h); }
   void validate(const ClothView& v) const override { batches_.validate(v); }
 
-  // Bending waves have to be resolved, whatever the load: hinges that are swept are too soft.
+  // Bending waves have to be resolved, whatever the load: hinges that are swept are too soft. So are links, of which a
+  // sweep carries m/h^2 at most; that matters where tension gives cloth its shape and its waves.
   double wanted_substeps(const ClothView& v, Real h) const override {
-    const double skin = v.inflated ? stiffest_link(v) / kSkinShare : 0;
-    return std::sqrt(std::fmax(stiffest_hinge(v) / kBendShare, skin)) * static_cast<double>(h);
+    const double taut = v.taut ? stiffest_link(v) / kTautShare : 0;
+    return std::sqrt(std::fmax(stiffest_hinge(v) / kBendShare, taut)) * static_cast<double>(h);
   }
 
  private:

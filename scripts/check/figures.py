@@ -8,8 +8,9 @@
 A block stands between "<!-- figures: NAME -->" and "<!-- end -->" in one of DOCUMENTS. Its name says which command made
 it: a name that stands in no document, in two, or twice in one is an error, and so is one that no command makes. Errors,
 counts and pictures are compared exactly (pictures without the titles of their points, which hold bytes), and no block
-holds a time: run times differ from machine to machine. Rows about engines that cannot be run here come from
-tests/bench/rivals.csv. Exit status 1 when a block differs, is missing or stands twice.
+holds a time but those stored with their machine and date: run times differ from machine to machine. Rows about engines
+that cannot be run here come from tests/bench/rivals.csv and sheets.csv. Exit status 1 when a block differs, is missing
+or stands twice.
 """
 import csv
 import functools
@@ -35,7 +36,7 @@ FLUIDS = (("hydrostatic", "pressure rho g (H - z)"), ("dam_break", "Martin & Moy
           ("honey_fold", "folds of a thin sheet"))
 # problem, substeps, reference
 CLOTHS = (("hanging_sheet", 16, "closed form"), ("catenary", 16, "closed form"), ("cantilever", 32, "elastica"),
-          ("drape", 8, "self-refined run"))
+          ("drape", 8, "self-refined run"), ("drum", 4, "modes of a membrane"))
 # of rivals.csv and rivals_by_hand.csv, in README.md: what is faster and what is slower, one of each kind
 TELLING = (("large_pyramid", "box3d"), ("large_pyramid", "jolt"), ("large_pyramid", "bullet"),
            ("convex_vs_mesh", "jolt"), ("heavy_chains", "box3d"), ("cloth links", "Jolt"), ("pbf", "SPlisHSPlasH"))
@@ -186,6 +187,29 @@ def rivals(_feder, _folder):
         name = re.split(r" \(|, per| against", r["scene"])[0]
         engine += ", double" if "double" in r["flags"] else ""
         lines.append(f"| {name} | {engine} | {float(r['ratio']):.2f} | {r['end_state']} |")
+    return "\n".join(lines)
+
+
+def sheets(_feder, _folder):
+    """sheets.csv: what a hung sheet costs in each engine, and how much it is stretched; feder's first."""
+    names = {"feder": "feder", "pbd": "PositionBasedDynamics", **ENGINES}
+    rows = rows_of("sheets.csv")
+    per_row = {r["side_vertices"]: float(r["row_ns"]) for r in rows if (r["engine"], r["how"]) == ("feder", "default")}
+    lines = ["| sheet | engine | constraints, times solved | ms a frame | worst strain | ns a constraint and time | "
+             "feder's over it |", "|---|---|---|---|---|---|---|"]
+    for r in sorted(rows, key=lambda r: (r["rounds"] == "0", int(r["side_vertices"]))):
+        side, count = r["side_vertices"], int(r["links"]) + int(r["bends"])
+        engine = f"{names[r['engine']]}, {r['how']}" + (" *" if r["rounds"] == "0" else "")
+        ours = per_row.get(side) or max(per_row.values())
+        ratio = "" if r["engine"] == "feder" else f"{ours / float(r['row_ns']):.2f}"
+        cells = (f"{side} x {side}", engine, f"{count} x {float(r['sweeps']):.0f}", f"{float(r['frame_ms']):.1f}",
+                 f"{100 * float(r['worst']):.{1 if float(r['worst']) < .1 else 0}f} %", f"{float(r['row_ns']):.1f}", ratio)
+        lines.append(f"| {' | '.join(cells)} |".replace("|  |", "| |"))
+    about = "; ".join({f"{names[r['engine']]} {r['version']} ({r['flags']})": None for r in rows})
+    dates = " and ".join(sorted({f"{r['machine'].replace('_', '-')}, {r['date']}" for r in rows}))
+    busy = ", beside other processes" if any(float(r["others"] or 0) > QUIET for r in rows) else ""
+    lines += ["", textwrap.fill(f"{about}; processor time of one thread{busy}; {dates}.", 120),
+              "", "\\* by the engine's own program, on such a machine; not solved to feder's strain"]
     return "\n".join(lines)
 
 
@@ -350,8 +374,8 @@ def tolerances(_feder, _folder):
 
 # name: function(feder, folder of the document)
 BLOCKS = {
-    "hello": hello, "tree": tree, "rivals": rivals, "plot": lambda f, d: stiff_chain(f, d).split("\n")[0],
-    "plan": plan, "variants": variants, "scenes": scenes, "stiff_chain": stiff_chain, "orbit": orbit, "api": api,
+    "hello": hello, "tree": tree, "rivals": rivals, "sheets": sheets,
+    "plot": lambda f, d: stiff_chain(f, d).split("\n")[0], "plan": plan, "variants": variants, "scenes": scenes, "stiff_chain": stiff_chain, "orbit": orbit, "api": api,
     "rivals_all": rivals_all, "tolerances": tolerances, "fluids": fluids, "cloths": cloths,
     "hierarchies": hierarchies,
 }

@@ -10,7 +10,7 @@ several threads. Overlaps and joint errors are measured from poses, the same way
 
 A run replaces the rows of its scenes in tests/bench/rivals.csv, when it ran all engines, thread counts and steps that
 these rows have; else its rows go to build/compare/rivals.csv. The tables of the documents are made from the former:
-scripts/check/figures.py --renew build/release/feder rivals rivals_all.
+scripts/check/figures.py --renew build/release/feder rivals rivals_all. --sheets hangs up cloth instead: sheets.py.
 """
 import argparse
 import csv
@@ -27,14 +27,15 @@ import subprocess
 import sys
 
 import aims
+import sheets
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
 HERE = ROOT / "tests/bench/rivals"
 WORK = ROOT / "build/compare"
 STORED = ROOT / "tests/bench/rivals.csv"
 ENGINES = ("feder", "box3d", "jolt", "bullet")
-# modules of feder that bodies do not need: the build is shorter, and the same
-WITHOUT = "springs;cloth;fluid;couple;study;contact;record"
+# modules of feder that bodies and cloth do not need: the build is shorter, and the same
+WITHOUT = "springs;rope;fluid;couple;study;record"
 QUIET = .05  # of the machine, taken by others
 MEASURED = ("processor_ms", "wall_ms", "memory_mb", "others")  # medians; the rest is the same in every round
 COLUMNS = ("scene", "engine", "version", "flags", "machine", "date", "rounds", "threads", "steps", "bodies", "joints",
@@ -48,6 +49,7 @@ def arguments():
     parser.add_argument("--jolt", metavar="DIR", help="sources of Jolt, with libJolt built inside as Distribution")
     parser.add_argument("--engine", metavar="NAMES", help=f"some of {','.join(ENGINES)}; usually all there are")
     parser.add_argument("--scene", metavar="NAMES", help="separated by commas; usually all")
+    parser.add_argument("--sheets", action="store_true", help="cloth in feder and Bullet, at equal worst strain")
     parser.add_argument("--threads", metavar="N,N", default="1,2", help="usually 1,2 (Bullet has one)")
     parser.add_argument("--steps", type=int, default=0, help="of every scene; usually each its own number")
     parser.add_argument("--rounds", type=int, default=3, help="usually 3")
@@ -82,7 +84,7 @@ def alone():
 
 
 def build(options):
-    """The programs of the engines that are there, by name."""
+    """The programs of the engines that are there, by name: bodies, or sheets."""
     print("compare: building", file=sys.stderr)
     call("cmake", "-S", ROOT, "-B", WORK / "feder", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DFEDER_LUA=OFF",
          "-DFEDER_PROGRAM=OFF", "-DFEDER_TESTS=OFF", "-DFEDER_PCH=ON", f"-DFEDER_WITHOUT={WITHOUT}")
@@ -93,8 +95,9 @@ def build(options):
     call("cmake", "-S", HERE, "-B", WORK / "programs", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
          f"-DFEDER_PREFIX={WORK / 'prefix'}", *(f"-D{name}={folder}" for name, folder in folders.items()))
     call("cmake", "--build", WORK / "programs")
-    there = (WORK / "programs/engines.txt").read_text().split()
-    found = {name: WORK / "programs" / f"rival_{name}" for name in ENGINES if name in there}
+    kind, names = ("sheet", "sheets.txt") if options.sheets else ("rival", "engines.txt")
+    there = (WORK / "programs" / names).read_text().split()
+    found = {name: WORK / "programs" / f"{kind}_{name}" for name in ENGINES if name in there}
     wanted = options.engine.split(",") if options.engine else list(found)
     for name in wanted:
         if name not in found:
@@ -153,13 +156,14 @@ def parse(text):
     return json.loads(re.sub(r"(: -?)inf\b", r"\1Infinity", re.sub(r": -?nan\b", ": NaN", text)))
 
 
-def run(program, scene, steps, threads):
+def run(program, *words):
     """What the program prints, and the share of others; None when it fails."""
     before = processor_times()
-    out = subprocess.run([program, scene, str(steps), str(threads)], capture_output=True, text=True, check=False)
+    words = [str(word) for word in words]
+    out = subprocess.run([program, *words], capture_output=True, text=True, check=False)
     busy, own, whole = (now - then for now, then in zip(processor_times(), before))
     if out.returncode:
-        print(f"compare: {program.name} {scene} ended with {out.returncode}: {out.stderr.strip()}", file=sys.stderr)
+        print(f"compare: {program.name} {words[0]} ended with {out.returncode}: {out.stderr.strip()}", file=sys.stderr)
         return None
     if out.stderr.strip():
         print(f"compare: {out.stderr.strip()}", file=sys.stderr)
@@ -236,6 +240,8 @@ def main():
     options = arguments()
     lock = alone()
     programs = build(options)
+    if options.sheets:
+        return sheets.main(programs, options, run, versions(options))
     all_scenes = [line.split()[0] for line in call(next(iter(programs.values())), "--list").splitlines()]
     scenes = options.scene.split(",") if options.scene else all_scenes
     for scene in scenes:
