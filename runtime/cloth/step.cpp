@@ -22,7 +22,7 @@ constexpr Real kFramed = Real(1.002);  // pins farther apart than at rest by mor
 
 // Strain that sweeps may leave. Where ties to pins hold a cloth that bears nothing, what they leave is below their
 // limit whatever the sweeps do. At a single pin all of the weight hangs from a few links, and ties are slack along the
-// folds: 50 x 50 stretch by .045 at worst there, with kUsual by .061.
+// folds: 50 x 50 stretch by .04 at worst there, with kUsual by .061.
 double stretch_error(const Sheet& s) {
   constexpr double kUsual = 0.01, kTied = 0.05, kAtOnePin = 0.0025;
   if (s.settings.stretch_error > 0) return double(s.settings.stretch_error);
