@@ -52,6 +52,12 @@ struct Cloth::Impl {
     std::uint32_t count = 0;
   };
   Array<Neighborhood> neighborhoods{&arena};  // of farthest(), by vertex of a cloth
+  struct Place {
+    std::array<double, 3> at;  // rounded
+    std::uint32_t sheet = 0, vertex = 0;
+  };
+  Array<Place> places{&arena};               // of warn_of_coincident()
+  Array<std::uint32_t> other_sheet{&arena};  // by vertex: of which another vertex lies in the same place
   bool any_active = false;
   std::size_t force_count = 0;  // forces known when the rows were made
   bool gravity_known = false;
@@ -71,6 +77,7 @@ struct Cloth::Impl {
   void place_ties(Sheet& s);
   std::uint32_t farthest(const Sheet& s, Real& distance, Vec3& mean);  // put_back.cpp
   void put_back(Sheet& s, StepContext& c);
+  void warn_of_coincident(StepContext& c);
   Aabb suspects(const Sheet& s);
   void show_tangles(const Sheet& s, Surface& f);
   static bool untangles(const Sheet& s);

@@ -234,6 +234,7 @@ void Cloth::Impl::prepare(StepContext& c) {
     for (std::uint32_t i = s->first; i < s->first + s->total; ++i)
       delta_position[i].w = s->active() ? vertices.inv_mass[i] : Real(0);
   }
+  warn_of_coincident(c);
   // what contact and couplings see of the cloths
   std::copy(vertices.position.begin(), vertices.position.end(), surfaces.position.begin());
   std::copy(vertices.mass.begin(), vertices.mass.end(), surfaces.mass.begin());

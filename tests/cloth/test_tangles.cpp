@@ -1,4 +1,5 @@
 // Crossings of a cloth with itself: the count against the independent one, and how they come apart.
+#include <algorithm>
 #include <cmath>
 
 #include "base/rng.h"
@@ -210,6 +211,28 @@ TEST_CASE("pins that are carried far away in one step pull no vertex along by ha
   w.step();
   for (const Event& e : w.events().list())
     CHECK_FALSE((e.kind == EventKind::warning && w.events().warning_code(e) == "overstretched"));
+}
+
+TEST_CASE("layers that lie exactly in one place are named, rows of vertices that they share are not", "[cloth]") {
+  World w(WorldDesc{}, kClothOnly);
+  Cloth& cloth = w.need<Cloth>();
+  ClothDesc d = sheet(5, 5, 1, 1);
+  d.name = "lower";
+  cloth.add_cloth(d);
+  d.name = "upper";
+  const bool sewn = GENERATE(false, true);
+  if (sewn) d.pose.position = d.pose.position + Vec3(1, 0, 0);  // along its edge
+  cloth.add_cloth(d);
+  std::string text;
+  for (int k = 0; k < 3; ++k) {
+    w.step();
+    for (const Event& e : w.events().list())
+      if (e.kind == EventKind::warning && w.events().warning_code(e) == "coincident")
+        text += std::string(w.events().warning_message(e)) + "\n";
+  }
+  CAPTURE(text);
+  CHECK((text.find("cloth \"lower\": 32 triangles lie exactly in cloth \"upper\"") != std::string::npos) == !sewn);
+  CHECK(std::count(text.begin(), text.end(), '\n') == (sewn ? 0 : 1));  // one code, one warning a step
 }
 
 TEST_CASE("crossings that stay are reported once, and rest", "[cloth]") {
