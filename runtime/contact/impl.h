@@ -147,7 +147,8 @@ struct SurfaceContact::Impl {
 
   // tangles.cpp
   bool try_untangle(const Surface& s, Tangles& t, Real most, bool smooth);
-  bool tangled_pair(const NearPair& p) const {
+  // of a NearCandidate or a NearPair
+  bool tangled_pair(const auto& p) const {
     if (!any_tangled || p.surface_pair != kNone) return false;
     const std::uint32_t split = p.edges ? 2 : 1;
     unsigned char of[2] = {0, 0};
@@ -188,9 +189,8 @@ struct SurfaceContact::Impl {
   void list_features(const SurfaceGroup& g, NearSearch& near, Real time, bool held);
   void offer_pair(NearSearch& near, const std::uint32_t (&v)[4], bool edges, Real time);
   void test_offered(NearSearch& near, Real time);
-  Real rest_distance(const NearPair& p) const;
-  void measure_live(NearSearch& near);
-  void measure(NearPair& p, Real (&weight)[4]) const;
+  Real rest_distance(const NearCandidate& p) const;
+  void list_pairs_of(NearSearch& near, bool all, Real part);
   void make_near_rows(SurfaceGroup& g, NearSearch& near, Real time, Real part);
   int search_count(const SurfaceGroup& g, StepContext& c) const;  // of a substep
   void collect_near(const SurfaceGroup& g);
@@ -208,7 +208,7 @@ struct SurfaceContact::Impl {
   void choose_rest(const SurfaceGroup& g, NearSearch& near, bool again, Real part);
   void update_pairs(const SurfaceGroup& g, NearSearch& near, Real time, Real part);
   bool kept_holds(NearSearch& near, Real part);
-  bool in_reach(const NearPair& p) const;
+  bool in_reach(const NearCandidate& p) const;
   void save_kept(Writer& w) const;
   void load_kept(Reader& r);
   // non_penetration.cpp

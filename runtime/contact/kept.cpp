@@ -88,7 +88,7 @@ bool SurfaceContact::Impl::kept_holds(NearSearch& near, Real part) {
 }
 
 // Whether a candidate may come within its thickness while its points stay in what they are allowed.
-bool SurfaceContact::Impl::in_reach(const NearPair& p) const {
+bool SurfaceContact::Impl::in_reach(const NearCandidate& p) const {
   const Real a = allowed[p.v[0]], b = allowed[p.v[1]], c = allowed[p.v[2]], d = allowed[p.v[3]];
   return !(p.spare > (p.edges ? std::max(a, b) + std::max(c, d) : a + std::max({b, c, d})));
 }

@@ -12,16 +12,18 @@
 // the approach is fast; that no pair crosses meanwhile is left to the projection.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "contact/impl.h"
 
 namespace feder {
 namespace {
 
-constexpr Real kRestShare = Real(0.9);    // of the rest distance, kept where that is below the thickness
-constexpr Real kNear = Real(1.1);         // thicknesses below which a pair gets a row
-constexpr int kMaxSearches = 64;          // parts of a substep
-constexpr std::size_t kOffered = 1024;    // pairs that are tested together
+constexpr Real kRestShare = Real(0.9);  // of the rest distance, kept where that is below the thickness
+constexpr Real kNear = Real(1.1);       // thicknesses below which a pair gets a row
+constexpr int kMaxSearches = 64;        // parts of a substep
+constexpr Real kNoDirection = std::numeric_limits<Real>::min() * Real(16);  // m
+constexpr std::size_t kOffered = 1024;                                      // pairs that are tested together
 constexpr Real kClosedShare = Real(0.2);  // of a certificate (flat_parts.h), that deviations may take
 constexpr Real kFreeShare =
     Real(0.05);  // of the weights on free vertices, below which a pair is that of its pinned ones
@@ -85,18 +87,18 @@ Vec3 gap_vector(const std::uint32_t* v, bool edges, Position&& position_of, Real
 }
 
 // Calls f(batch, pairs) for pairs of one kind, eight at a time as far as they go; `which` names them among `all`.
-template <class F>
-void each_batch(Array<NearPair>& all, const Array<std::uint32_t>& which, F&& f) {
+template <class Pair, class F>
+void each_batch(Array<Pair>& all, const Array<std::uint32_t>& which, F&& f) {
   PairBatch batch;
   for (std::size_t first = 0; first < which.size(); first += kLanes) {
     const std::size_t count = std::min(which.size() - first, std::size_t(kLanes));
     for (std::size_t i = 0; i < kLanes; ++i) {
-      const NearPair& p = all[which[first + std::min(i, count - 1)]];
+      const Pair& p = all[which[first + std::min(i, count - 1)]];
       for (int k = 0; k < 4; ++k) batch.v[k][i] = p.v[k];
       batch.wanted.v[i] = kNear * p.thickness;
     }
     f(
-        batch, [&](std::size_t i) -> NearPair& { return all[which[first + i]]; }, count);
+        batch, [&](std::size_t i) -> Pair& { return all[which[first + i]]; }, count);
   }
 }
 
@@ -252,7 +254,7 @@ void SurfaceContact::Impl::offer_pair(NearSearch& near, const std::uint32_t (&v)
   const std::uint32_t both = surface_a == surface_b ? kNone : surface_pair_of(surface_a, surface_b);
   if (surface_a == surface_b ? !list[surface_a].active || !list[surface_a].self : both == kNone) return;
   if (!link_marks.empty() && linked(v, edges)) return;
-  NearPair& p = near.offered.emplace_back();
+  NearCandidate& p = near.offered.emplace_back();
   std::copy(v, v + 4, p.v);
   p.edges = edges, p.surface_pair = both;
   p.thickness = Real(0.5) * (list[surface_a].thickness + list[surface_b].thickness);
@@ -268,15 +270,14 @@ void SurfaceContact::Impl::test_offered(NearSearch& near, Real time) {
     each_batch(near.offered, near.which, [&](PairBatch& b, auto&& pair, std::size_t count) {
       const unsigned meets = kernels->meet(b, edges != 0, &search_row[0].x, &search_way[0].x, time);
       for (std::size_t i = 0; i < count; ++i) {
-        NearPair& p = pair(i);
-        p.live = meets >> i & 1;
+        NearCandidate& p = pair(i);
         p.spare = b.distance.v[i] - b.wanted.v[i];
-        p.idle = b.closing.v[i];
+        p.idle = (meets >> i & 1) != 0 ? b.closing.v[i] : Real(-1);
       }
     });
   }
-  for (NearPair& p : near.offered) {
-    if (!p.live) continue;
+  for (NearCandidate& p : near.offered) {
+    if (p.idle < 0) continue;
     const std::uint32_t split = p.edges ? 2 : 1;
     Real own[2] = {0, 0};
     for (std::uint32_t i = 0; i < 4; ++i) own[i >= split] = std::max(own[i >= split], max_deviation[p.v[i]]);
@@ -286,13 +287,13 @@ void SurfaceContact::Impl::test_offered(NearSearch& near, Real time) {
     // within one surface: no row pushes apart what is that close at rest
     if (p.surface_pair == kNone) p.thickness = std::min(p.thickness, kRestShare * rest_distance(p));
     if (tangled_pair(p) && list[near_surface[p.v[0]]].ignores_inside) continue;
-    near.pairs.push_back(p);
+    near.candidates.push_back(p);
   }
   near.offered.clear();
 }
 
 // Of a pair within one surface; where it is far beyond the thickness, less may be returned that is beyond it too.
-Real SurfaceContact::Impl::rest_distance(const NearPair& p) const {
+Real SurfaceContact::Impl::rest_distance(const NearCandidate& p) const {
   const Surface& s = list[near_surface[p.v[0]]];
   const auto at = [&](std::uint32_t i) { return s.rest[i - s.first]; };
   const auto apart = [&](int i, int j) { return length(Vec3(at(p.v[i]) - at(p.v[j]))); };
@@ -313,7 +314,7 @@ void SurfaceContact::Impl::collect_pairs(const SurfaceGroup& g, NearSearch& near
   near.pairs_stale = false, near.listed = true;
   ++search_total;
   near.since_found = 0;
-  near.pairs.clear();
+  near.candidates.clear();
   for (const std::uint32_t n : g.members) {
     if (own_search[n]) find_own_pairs(near, n, time);
     if (!flat_parts[n] || sealed[n]) continue;
@@ -348,28 +349,24 @@ void SurfaceContact::Impl::collect_pairs(const SurfaceGroup& g, NearSearch& near
   test_offered(near, time);
 }
 
-// Normal, distance and weights at the present positions.
-void SurfaceContact::Impl::measure(NearPair& p, Real (&weight)[4]) const {
-  const Vec3 gap = gap_vector(
-      p.v, p.edges, [&](std::uint32_t i) { return current_position(i); }, weight);
-  p.distance = length(gap);
-  p.normal = normalized_or(gap, Vec3(0, 1, 0));
-}
-
-// The same for all live pairs, eight at a time.
-void SurfaceContact::Impl::measure_live(NearSearch& near) {
+// The candidates that may come near in this part, or all, with normal, distance and weights at the present positions.
+void SurfaceContact::Impl::list_pairs_of(NearSearch& near, bool all, Real part) {
+  near.pairs.clear();
+  for (const NearCandidate& p : near.candidates)
+    if (all || (near.kept ? in_reach(p) : near.since_found + part >= p.idle)) near.pairs.emplace_back(p);
   now_row.resize(delta_position.size());
   for (const std::uint32_t i : near.near_vertex) now_row[i].set(current_position(i));
   for (std::uint32_t edges = 0; edges < 2; ++edges) {
     near.which.clear();
     for (std::uint32_t k = 0; k < near.pairs.size(); ++k)
-      if (near.pairs[k].live && near.pairs[k].edges == edges) near.which.push_back(k);
+      if (near.pairs[k].edges == edges) near.which.push_back(k);
     each_batch(near.pairs, near.which, [&](PairBatch& b, auto&& pair, std::size_t count) {
       kernels->measure(b, edges != 0, &now_row[0].x);
       for (std::size_t i = 0; i < count; ++i) {
         NearPair& p = pair(i);
         p.distance = b.distance.v[i];
-        p.normal = normalized_or(Vec3(b.gap.x.v[i], b.gap.y.v[i], b.gap.z.v[i]), Vec3(0, 1, 0));
+        const Vec3 normal(b.gap.x.v[i], b.gap.y.v[i], b.gap.z.v[i]);
+        p.normal = p.distance > kNoDirection ? normal : Vec3(0, 1, 0);
         for (int k = 0; k < 4; ++k) p.weight[k] = b.weight[k].v[i];
       }
     });
@@ -396,22 +393,22 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
   }
   // a candidate gets a row when it can come within its thickness in twice the part's motion
   update_pairs(g, near, time, part);
-  for (NearPair& p : near.pairs) p.live = near.kept ? in_reach(p) : near.since_found + part >= p.idle;
-  measure_live(near);
-  for (NearPair& p : near.pairs) {
-    if (!p.live) continue;
+  list_pairs_of(near, false, part);
+  for (const NearPair& p : near.pairs) {
     if (tangled_pair(p)) continue;
     const Real(&weight)[4] = p.weight;
-    Vec3 u = Vec3::Zero(), d = Vec3::Zero();
+    Vec3 u = Vec3::Zero();
+    for (int k = 0; k < 4; ++k) u += weight[k] * velocity[p.v[k]].vec();
+    const Real closing = std::max(-dot(u, p.normal), Real(0));
+    if (p.distance > kNear * p.thickness + 2 * part * closing) continue;
+    Vec3 d = Vec3::Zero();
     Real held = 0;
     for (int k = 0; k < 4; ++k) {
       const Row4& x = delta_position[p.v[k]];
-      u += weight[k] * velocity[p.v[k]].vec(), d += weight[k] * x.vec();
+      d += weight[k] * x.vec();
       if (x.w == 0) held += std::abs(weight[k]);
     }
     if (held > 2 * (1 - kFreeShare)) continue;
-    const Real closing = std::max(-dot(u, p.normal), Real(0));
-    if (p.distance > kNear * p.thickness + 2 * part * closing) continue;
     // C = distance - thickness along the frozen normal, linear in the displacements
     SurfaceRow r;
     std::copy(p.v, p.v + 4, r.vertex);

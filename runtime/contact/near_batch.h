@@ -25,7 +25,7 @@ struct PairBatch {
 };
 
 struct NearKernels {
-  // Weights, gaps and distances at `at`, rows of four.
+  // Weights, directions (in `gap`) and distances at `at`, rows of four.
   void (*measure)(PairBatch& b, bool edges, const WideReal* at);
   // The same, closing speeds, and by bits the pairs that may come within `wanted` in `time` (s), when the points move
   // from `at` with `velocity`, but for a deviation in the fourth number of `at`.

@@ -79,7 +79,12 @@ unsigned near_next_closed(const RowBatch* batches, unsigned first, unsigned coun
   store(b.gap, gap), store(b.distance, square_root(dot(gap, gap)));
 }
 
-void near_measure(PairBatch& b, bool edges, const WideReal* at) { near_closest(b, edges, at); }
+void near_measure(PairBatch& b, bool edges, const WideReal* at) {
+  near_closest(b, edges, at);
+  const Lanes3 gap = load(b.gap);
+  const Lanes distance = load(b.distance);
+  store(b.gap, Lanes3{gap.x / distance, gap.y / distance, gap.z / distance});
+}
 
 unsigned near_meet(PairBatch& b, bool edges, const WideReal* at, const WideReal* velocity, WideReal time) {
   near_closest(b, edges, at);

@@ -9,18 +9,29 @@ namespace feder {
 constexpr Real kMaxDeviation =
     Real(0.25);  // thicknesses that a point may deviate from the motion that a search extrapolated
 
-// Candidate pair of this step: a point and a triangle, or two edges.
-struct NearPair {
+// Candidate pair: a point and a triangle, or two edges.
+struct NearCandidate {
   std::uint32_t v[4] = {};             // the point and the corners of the triangle; or the ends of both edges
   std::uint32_t edges = 0;             // 1: edge and edge
-  Real thickness = 0;                  // distance that rows keep, m; less where they are closer at rest
-  Vec3 normal = Vec3::Zero();          // of this part, from the second feature to the first
-  Real distance = 0;                   // at its start, m
   std::uint32_t surface_pair = kNone;  // in Surfaces::pairs; kNone: of one surface
-  Real idle = 0;                       // s since the search, before which it cannot come within its thickness
+  Real thickness = 0;                  // distance that rows keep, m; less where they are closer at rest
   Real spare = 0;                      // distance at the search less what makes a row, m
-  Real weight[4] = {};                 // of the points in the gap, at the start of this part
-  std::uint32_t live = 0;              // 1: it may come within its thickness in this part
+  Real idle = 0;                       // s since the search, before which it cannot come within its thickness
+};
+
+// A candidate that may come within its thickness in this part.
+struct NearPair {
+  NearPair() = default;
+  explicit NearPair(const NearCandidate& c) : edges(c.edges), surface_pair(c.surface_pair), thickness(c.thickness) {
+    for (int k = 0; k < 4; ++k) v[k] = c.v[k];
+  }
+  std::uint32_t v[4] = {};
+  std::uint32_t edges = 0;
+  std::uint32_t surface_pair = kNone;
+  Real thickness = 0;
+  Real distance = 0;           // at the start of the part, m
+  Vec3 normal = Vec3::Zero();  // likewise, from the second feature to the first
+  Real weight[4] = {};         // of the points in the vector between them
 };
 
 // What a kept search is of: its candidates hold while nothing of this changes.
@@ -35,13 +46,15 @@ struct KeptOf {
 // All of it is made anew in each step, but for a kept search (kept.cpp).
 struct NearSearch {
   explicit NearSearch(Arena& a)
-      : pairs(&a), offered(&a), which(&a), near_vertex(&a), near_point(&a), near_triangle(&a), near_edge(&a),
-        triangle_box(&a), edge_box(&a), triangle_tree(a), edge_tree(a), rest(&a), batches(&a), given(&a) {}
+      : candidates(&a), pairs(&a), offered(&a), which(&a), near_vertex(&a), near_point(&a), near_triangle(&a),
+        near_edge(&a), triangle_box(&a), edge_box(&a), triangle_tree(a), edge_tree(a), rest(&a), batches(&a),
+        given(&a) {}
 
   bool near = false;   // its surfaces may be in contact, so that it searches at all
   int near_every = 1;  // solver substeps from one update of rows and normals to the next
-  Array<NearPair> pairs;
-  Array<NearPair> offered;                        // pairs of features that a search has not tested yet
+  Array<NearCandidate> candidates;
+  Array<NearPair> pairs;                          // those of them that may come near in this part
+  Array<NearCandidate> offered;                   // pairs of features that a search has not tested yet
   Array<std::uint32_t> which;                     // some of either
   Array<std::uint32_t> near_vertex;               // points of the surfaces that take part
   Array<std::uint32_t> near_point;                // those of them that may be in contact
@@ -54,7 +67,7 @@ struct NearSearch {
   bool trees_stale = true;    // none were built in this step
 
   bool kept = false;    // points were taken to rest where the search found them: its candidates hold over steps
-  bool listed = false;  // those candidates are in `pairs`; else they follow from `rest`
+  bool listed = false;  // those candidates are in `candidates`; else they follow from `rest`
   KeptOf kept_of;
   Array<Row4> rest;  // by point of the surface: position then, m, and how far it may go from there, m
 
@@ -65,10 +78,11 @@ struct NearSearch {
   void begin() {  // of a step
     trees_stale = true;
     batches.clear(), given.clear();
-    if (!kept) pairs.clear(), pairs_stale = true;
+    pairs.clear();
+    if (!kept) candidates.clear(), pairs_stale = true;
   }
   void drop() {
-    pairs.clear();
+    candidates.clear(), pairs.clear();
     pairs_stale = true, kept = listed = false;
   }
 };

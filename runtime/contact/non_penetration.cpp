@@ -47,7 +47,6 @@ bool SurfaceContact::Impl::within_search(NearSearch& near, Real part) {
 // Is each vertex of the first feature beyond each of the second along the normal? With `push`, separates those that are
 // not, by a correction of positions and of velocities.
 bool SurfaceContact::Impl::separate(NearPair& p, Real h, bool push) {
-  if (!p.live) return true;
   FEDER_ASSERT(is_direction(p.normal) && !(p.distance < 0));
   const std::uint32_t split = p.edges ? 2 : 1;
   const Real wanted = kKept * p.distance;
@@ -163,7 +162,7 @@ void SurfaceContact::Impl::move_zones(const NearSearch& near, Real part) {
                                          kSearched * max_deviation[i]));
   });
   for (const NearPair& p : near.pairs)
-    if (p.live && zone_of[p.v[0]] != kNone) {
+    if (zone_of[p.v[0]] != kNone) {
       Zone& z = zones[zone_root(p.v[0])];
       z.freedom = std::min(z.freedom, freedom(p));
     }
@@ -207,11 +206,7 @@ void SurfaceContact::Impl::search_again(const SurfaceGroup& g, NearSearch& near,
     delta_position[i].set(projection_start[i].vec());
   }
   find_pairs(g, near, part, held);
-  for (NearPair& p : near.pairs) {
-    Real weight[4];
-    measure(p, weight);
-    p.live = 1;
-  }
+  list_pairs_of(near, true, part);
   std::size_t n = 0;
   for (const std::uint32_t i : near.near_vertex)
     if (delta_position[i].w != 0) delta_position[i] = saved_displacement[i], velocity[i] = saved_velocity[n++];

@@ -23,7 +23,7 @@ void SurfaceContact::Impl::validate_group(std::size_t k) const {
   for (std::size_t i = 1; i < near.near_vertex.size(); ++i)
     FEDER_ASSERT(near.pairs.empty() || near.near_vertex[i - 1] < near.near_vertex[i]);
   for (const NearPair& p : near.pairs) {
-    FEDER_ASSERT(p.edges <= 1 && p.live <= 1);
+    FEDER_ASSERT(p.edges <= 1);
     FEDER_ASSERT(p.surface_pair == kNone || p.surface_pair < surface_pairs.size());
     for (const std::uint32_t i : p.v) {
       FEDER_ASSERT(i < size && near_surface[i] < list.size() && list[near_surface[i]].loop == k);
