@@ -20,16 +20,29 @@ constexpr Real kMinGravity = 1;        // m/s^2, at least: weightless cloth is p
 constexpr double kStay = 0.9;          // hysteresis: a number that falls by less than this share stays
 constexpr Real kFramed = Real(1.002);  // pins farther apart than at rest by more stretch the cloth between them
 
+// Of a cloth of at least so many vertices solver substeps are dear; a smaller one may have more of them.
+constexpr double kLarge = 2500;
+double size_share(const Sheet& s) { return std::fmin(1, double(s.points) / kLarge); }
+
 // Strain that sweeps may leave. Where ties to pins hold a cloth that bears nothing, what they leave is below their
-// limit whatever the sweeps do. At a single pin all of the weight hangs from a few links, and ties are slack along the
-// folds: 50 x 50 stretch by .04 at worst there, with kUsual by .061.
+// limit whatever the sweeps do; but a cloth that hangs nearly straight sags by ten times its strain, so where it costs
+// little they leave less: at share^(3/2) solver substeps grow with the share to the power -1/4, cost falls with 3/4.
+// At a single pin all of the weight hangs from a few links, and ties are slack along the folds: 50 x 50 stretch by .04
+// at worst there, with kUsual by .061.
 double stretch_error(const Sheet& s) {
   constexpr double kUsual = 0.01, kTied = 0.05, kAtOnePin = 0.0025;
   if (s.settings.stretch_error > 0) return double(s.settings.stretch_error);
   if (s.ties.batches.empty()) return kUsual;
-  if (s.ties.pins.size() == 1) return kAtOnePin;
   const double tied = std::fmax(kUsual, std::fmin(1.5 * double(s.settings.max_strain), kTied));
-  return kUsual + double(s.unladen()) * (tied - kUsual);
+  const double share = s.solver->sheds_strain() ? size_share(s) : 1, small = tied * share * std::sqrt(share);
+  const double error = kUsual + double(s.unladen()) * (small - kUsual);
+  return s.ties.pins.size() == 1 ? std::fmin(error, kAtOnePin) : error;
+}
+
+// Largest number of solver substeps: what the settings say, or what a large cloth may have, and more for a small one.
+double most_substeps(const Sheet& s) {
+  constexpr double kUsual = 64, kMost = 1000;
+  return s.settings.max_substeps > 0 ? s.settings.max_substeps : std::fmin(kUsual / size_share(s), kMost);
 }
 
 // What to do about a cap that is too low: where the stretch law asks for the solver substeps, the stretch_error that
@@ -150,7 +163,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
       }
       if (s.settings.pressure != 0) wanted = std::fmax(wanted, gas_substeps(s, c.h));
       // the cap of the settings, with a warning
-      const double cap = std::fmax(s.settings.max_substeps, s.solver->least_cap());
+      const double cap = std::fmax(most_substeps(s), s.solver->least_cap());
       if (wanted > cap && !s.state.warned) {
         s.state.warned = 1;
         c.events->warn("substep_cap",

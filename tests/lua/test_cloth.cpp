@@ -63,7 +63,7 @@ TEST_CASE("the warning of too few solver substeps names options that end it for 
         "world:cloth{ size = {0.4, 0.3}, resolution = {33, 25}, area_density = 0.05, pins = {'left'}" +
         options + " } world:step()");
   };
-  const std::string told = warnings(", stretch_error = 1e-4");
+  const std::string told = warnings(", stretch_error = 1e-5");
   CAPTURE(told);
   REQUIRE_THAT(told, Catch::StartsWith("substep_cap") && Catch::Contains("max_substeps = ") &&
                          Catch::Contains(" or stretch_error = "));
@@ -72,7 +72,7 @@ TEST_CASE("the warning of too few solver substeps names options that end it for 
     const std::string cure = told.substr(told.find(option, told.find(": it ")));
     const std::string given = cure.substr(0, cure.find(' ', cure.find("= ") + 2));
     CAPTURE(given);
-    CHECK(warnings(", stretch_error = 1e-4, " + given).find("substep_cap") == std::string::npos);
+    CHECK(warnings(", stretch_error = 1e-5, " + given).find("substep_cap") == std::string::npos);
   }
   CHECK(warnings(", max_substeps = 400") == "");
 }
