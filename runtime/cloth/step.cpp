@@ -34,15 +34,17 @@ double stretch_error(const Sheet& s) {
   if (s.settings.stretch_error > 0) return double(s.settings.stretch_error);
   if (s.ties.batches.empty()) return kUsual;
   const double tied = std::fmax(kUsual, std::fmin(1.5 * double(s.settings.max_strain), kTied));
-  const double share = s.solver->sheds_strain() ? size_share(s) : 1, small = tied * share * std::sqrt(share);
-  const double error = kUsual + double(s.unladen()) * (small - kUsual);
+  const double share = s.solver->sheds_strain() ? size_share(s) : 1;
+  const double error = kUsual + double(s.unladen()) * (tied * share * std::sqrt(share) - kUsual);
   return s.ties.pins.size() == 1 ? std::fmin(error, kAtOnePin) : error;
 }
 
-// Largest number of solver substeps: what the settings say, or what a large cloth may have, and more for a small one.
-double most_substeps(const Sheet& s) {
+// Largest number of solver substeps: what the settings say, or what a large cloth may have; a small one may have more
+// for its own stiffness and for what hits it (`own`: as many as they want), not for what lies on it.
+double most_substeps(const Sheet& s, double own) {
   constexpr double kUsual = 64, kMost = 1000;
-  return s.settings.max_substeps > 0 ? s.settings.max_substeps : std::fmin(kUsual / size_share(s), kMost);
+  if (s.settings.max_substeps > 0) return s.settings.max_substeps;
+  return std::fmax(kUsual, std::fmin(own, std::fmin(kUsual / size_share(s), kMost)));
 }
 
 // What to do about a cap that is too low: where the stretch law asks for the solver substeps, the stretch_error that
@@ -152,18 +154,19 @@ void Cloth::Impl::choose_steps(StepContext& c) {
     } else {
       if (const bool framed = pins_apart(s) > kFramed; framed != s.framed) s.framed = framed, s.bend_step = -1;
       if (s.bend_step != c.h) s.bend_step = c.h, s.bend_substeps = s.solver->wanted_substeps(view(s), c.h);
-      double wanted = s.bend_substeps;
+      double wanted = s.bend_substeps, unladen = wanted;
       const bool sheds = s.solver->sheds_strain();
       if (sheds || s.solver->converges()) {
         const Real weight = length(c.gravity) * std::fabs(s.settings.gravity_scale);
         const double own = double(std::max({weight, s.state.pull, kMinGravity})), load = double(s.state.load / s.mass);
-        const double g = (sheds ? own + swing(s) : 0) + own * load + double(s.impact);
-        const double n = s.rows, h = c.h;
-        wanted = std::fmax(wanted, h * n * std::sqrt(2 * g / (stretch_error(s) * double(s.path))));
+        const double g = (sheds ? own + swing(s) : 0) + double(s.impact);
+        const double n = s.rows, h = c.h, law = h * n * std::sqrt(2 / (stretch_error(s) * double(s.path)));
+        unladen = std::fmax(unladen, law * std::sqrt(g));
+        wanted = std::fmax(wanted, law * std::sqrt(g + own * load));
       }
       if (s.settings.pressure != 0) wanted = std::fmax(wanted, gas_substeps(s, c.h));
       // the cap of the settings, with a warning
-      const double cap = std::fmax(most_substeps(s), s.solver->least_cap());
+      const double cap = std::fmax(most_substeps(s, unladen), s.solver->least_cap());
       if (wanted > cap && !s.state.warned) {
         s.state.warned = 1;
         c.events->warn("substep_cap",

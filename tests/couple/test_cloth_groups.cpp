@@ -70,7 +70,7 @@ TEST_CASE("a cloth moves the same bits beside others that it does not meet", "[c
   const auto others = [](World& w) {
     w.need<Cloth>().add_cloth(hanging(4, 40, 20000));
     // the same moving body touches this one: it connects nothing
-    w.need<Cloth>().add_cloth(hanging(Real(-1.2), 12, 3000));
+    w.need<Cloth>().add_cloth(hanging(Real(-1.4), 12, 3000));
   };
   const std::vector<Vec3> together = beside(others), threads = beside(others, 4);
   REQUIRE(alone.size() == together.size());

@@ -61,7 +61,8 @@ struct ClothDesc {
   // Strain error of sweeps alone, beside the material's strain. < 0: 0.01; for cloth that bears nothing and that ties
   // to its pins hold 0.05 from 2500 vertices on, (n/2500)^(3/2) of it for n of them. They leave a quarter of it.
   Real stretch_error = -1;
-  // Largest number that is chosen, with a warning. 0: 64, in proportion more for less than 2500 vertices, up to 1000.
+  // Largest number that is chosen, with a warning. 0: 64; in proportion more for less than 2500 vertices, up to 1000,
+  // but not for what lies on them.
   int max_substeps = 0;
   std::string solver = default_cloth_solver();  // xpbd, or the first of this build
   Params solver_options;
