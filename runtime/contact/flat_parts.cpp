@@ -442,12 +442,6 @@ void FlatParts::find_meeting(Real margin) {
   for (int a = 0; a < count; ++a)
     for (int b = a; b < count; ++b)
       descend(top, a % wide(top), a / wide(top), b % wide(top), b / wide(top), margin + 2 * most);
-  for (const Meeting& m : meeting_)
-    for (const std::uint32_t b : {m.a, m.b}) {
-      if (list_[b].boxed) continue;
-      list_[b].boxed = true;
-      for (Features* f : {&points_, &edges_, &faces_}) box_features(b, *f, margin);
-    }
 }
 
 // Pairs of blocks under two nodes, or one, that may meet.

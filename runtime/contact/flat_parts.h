@@ -41,9 +41,19 @@ class FlatParts {
   // point and may come within `margin`, m, of each other; each once.
   template <class F>
   void find_pairs(Real margin, F&& f) {
-    find_meeting(margin);
-    for (const Meeting& m : meeting_) each_in(m, f);
+    find_pairs(
+        margin, [](std::uint32_t, std::uint32_t) { return true; }, f);
   }
+  // The same for the pairs of blocks, in an order that follows from the mesh, for which wanted(a, b) is true.
+  template <class W, class F>
+  void find_pairs(Real margin, W&& wanted, F&& f) {
+    find_meeting(margin);
+    for (const Meeting& m : meeting_)
+      if (wanted(m.a, m.b)) each_in(m, margin, f);
+  }
+  std::uint32_t blocks() const { return blocks_; }
+  // Points of the features of a block, from 0 within the sheet.
+  std::span<const std::uint32_t> points_of(std::uint32_t block) const { return corners_.of(block); }
 
  private:
   static constexpr int kLevels = 8;
@@ -118,7 +128,7 @@ class FlatParts {
   // may meet.
   std::span<const std::uint32_t> hits(const Some& a, std::size_t k, const Some& b, std::size_t from, const Vec3& apart);
   template <class F>
-  void each_in(const Meeting& m, F&& f);
+  void each_in(const Meeting& m, Real margin, F&& f);
 
   ObjectId object_;
   std::uint64_t version_ = ~std::uint64_t(0);
@@ -149,7 +159,12 @@ class FlatParts {
 };
 
 template <class F>
-void FlatParts::each_in(const Meeting& m, F&& f) {
+void FlatParts::each_in(const Meeting& m, Real margin, F&& f) {
+  for (const std::uint32_t b : {m.a, m.b}) {
+    if (list_[b].boxed) continue;
+    list_[b].boxed = true;
+    for (Features* of : {&points_, &edges_, &faces_}) box_features(b, *of, margin);
+  }
   const auto point = [](const Features& of, std::uint32_t k, std::uint32_t i) { return of.v[of.points * k + i]; };
   const Vec3 apart = motion_.time * (list_[m.b].drift - list_[m.a].drift);  // way of b beside a
   Some &own = some_[0], &other = some_[1];

@@ -199,15 +199,19 @@ struct SurfaceContact::Impl {
   struct KeptImage {
     explicit KeptImage(Arena& a) : rest(&a) {}
     KeptOf of;
+    std::uint32_t rows = 0;
     Array<Row4> rest;
   };
   std::vector<KeptImage> kept_images;  // of a snapshot, until the next step
   KeptOf kept_of(std::uint32_t group) const;
   void check_kept();
   bool slow(const SurfaceGroup& g, const NearSearch& near, Real part) const;
-  void choose_rest(const SurfaceGroup& g, NearSearch& near, bool again, Real part);
+  void choose_rest(const Surface& s, NearSearch& near, std::uint32_t k, bool again, Real part);
   void update_pairs(const SurfaceGroup& g, NearSearch& near, Real time, Real part);
+  Real fresh_skin(const Surface& s, std::uint32_t k, Real part) const;
   bool kept_holds(NearSearch& near, Real part);
+  bool search_part(const SurfaceGroup& g, NearSearch& near, Real time, Real part);
+  void collect_kept(const SurfaceGroup& g, NearSearch& near, Real time);
   bool in_reach(const NearCandidate& p) const;
   void save_kept(Writer& w) const;
   void load_kept(Reader& r);

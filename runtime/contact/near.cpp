@@ -20,7 +20,6 @@ namespace feder {
 namespace {
 
 constexpr Real kRestShare = Real(0.9);  // of the rest distance, kept where that is below the thickness
-constexpr Real kNear = Real(1.1);       // thicknesses below which a pair gets a row
 constexpr int kMaxSearches = 64;        // parts of a substep
 constexpr Real kNoDirection = std::numeric_limits<Real>::min() * Real(16);  // m
 constexpr std::size_t kOffered = 1024;                                      // pairs that are tested together
@@ -263,6 +262,7 @@ void SurfaceContact::Impl::offer_pair(NearSearch& near, const std::uint32_t (&v)
 
 // Adds the pairs offered, in order, but for those whose distance is more than they can close in `time`.
 void SurfaceContact::Impl::test_offered(NearSearch& near, Real time) {
+  if (near.offered.empty()) return;
   for (std::uint32_t edges = 0; edges < 2; ++edges) {
     near.which.clear();
     for (std::uint32_t k = 0; k < near.offered.size(); ++k)
@@ -315,6 +315,7 @@ void SurfaceContact::Impl::collect_pairs(const SurfaceGroup& g, NearSearch& near
   ++search_total;
   near.since_found = 0;
   near.candidates.clear();
+  if (near.kept) return collect_kept(g, near, time);
   for (const std::uint32_t n : g.members) {
     if (own_search[n]) find_own_pairs(near, n, time);
     if (!flat_parts[n] || sealed[n]) continue;
@@ -423,6 +424,7 @@ void SurfaceContact::Impl::make_near_rows(SurfaceGroup& g, NearSearch& near, Rea
     r.relaxation = std::min(a.relaxation, b.relaxation);
     g.near_rows.push_back(r);
   }
+  near.rows = static_cast<std::uint32_t>(g.near_rows.size());
   batch_rows(g, near);
 }
 

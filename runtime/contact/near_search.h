@@ -9,6 +9,9 @@ namespace feder {
 constexpr Real kMaxDeviation =
     Real(0.25);  // thicknesses that a point may deviate from the motion that a search extrapolated
 
+// Thicknesses below which a pair gets a row.
+constexpr Real kNear = Real(1.1);
+
 // Candidate pair: a point and a triangle, or two edges.
 struct NearCandidate {
   std::uint32_t v[4] = {};             // the point and the corners of the triangle; or the ends of both edges
@@ -47,8 +50,8 @@ struct KeptOf {
 struct NearSearch {
   explicit NearSearch(Arena& a)
       : candidates(&a), pairs(&a), offered(&a), which(&a), near_vertex(&a), near_point(&a), near_triangle(&a),
-        near_edge(&a), triangle_box(&a), edge_box(&a), triangle_tree(a), edge_tree(a), rest(&a), batches(&a),
-        given(&a) {}
+        near_edge(&a), triangle_box(&a), edge_box(&a), triangle_tree(a), edge_tree(a), rest(&a), meetings(&a),
+        old_meetings(&a), old_candidates(&a), old_of(&a), next_old(&a), again(&a), batches(&a), given(&a) {}
 
   bool near = false;   // its surfaces may be in contact, so that it searches at all
   int near_every = 1;  // solver substeps from one update of rows and normals to the next
@@ -66,10 +69,19 @@ struct NearSearch {
   bool pairs_stale = true;    // motion has left what the search extrapolated
   bool trees_stale = true;    // none were built in this step
 
-  bool kept = false;    // points were taken to rest where the search found them: its candidates hold over steps
-  bool listed = false;  // those candidates are in `candidates`; else they follow from `rest`
+  bool kept = false;       // points were taken to rest where the search found them: its candidates hold over steps
+  std::uint32_t rows = 0;  // that they made in the last part
+  bool listed = false;     // those candidates are in `candidates`; else they follow from `rest`
   KeptOf kept_of;
   Array<Row4> rest;  // by point of the surface: position then, m, and how far it may go from there, m
+  // Its candidates by pairs of blocks of flat_parts.h, and those of the search before while it is done again in part.
+  struct Meeting {
+    std::uint32_t a = 0, b = 0, first = 0, last = 0;  // candidates first .. last - 1
+  };
+  Array<Meeting> meetings, old_meetings;
+  Array<NearCandidate> old_candidates;
+  Array<std::uint32_t> old_of, next_old;  // by block: the first of old_meetings with it as `a`; the next one
+  Array<unsigned char> again;             // by block: 1: it is searched again
 
   // The group's near_rows in batches, and in each by bits those that gave an impulse since they were made.
   Array<RowBatch> batches;
@@ -79,11 +91,11 @@ struct NearSearch {
     trees_stale = true;
     batches.clear(), given.clear();
     pairs.clear();
-    if (!kept) candidates.clear(), pairs_stale = true;
+    if (!kept) candidates.clear(), pairs_stale = true, rows = 0;
   }
   void drop() {
     candidates.clear(), pairs.clear();
-    pairs_stale = true, kept = listed = false;
+    pairs_stale = true, kept = listed = false, rows = 0;
   }
 };
 
