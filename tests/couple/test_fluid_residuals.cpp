@@ -233,7 +233,7 @@ TEST_CASE("particles that a sheet or a net had to hold back are counted", "[coup
     w.need<Cloth>().add_cloth(square(15, 2, true));
   Fluid& fluid = w.need<Fluid>();
   const ObjectId id = fluid.add_fluid(FluidDesc{});
-  fluid.fill(id, block(5, 5, 5, Real(0.05), Vec3(Real(0.013), Real(0.3), Real(0.027))), Vec3(0, -40, 0));
+  fluid.fill(id, block(5, 5, 5, Real(0.05), Vec3(Real(0.013), Real(0.3), Real(0.027))), Vec3(0, -80, 0));
   double projected = 0;
   for (int k = 0; k < 20; ++k)
     w.step(), projected += residual(w, net ? "fluid_springs.guarded" : "fluid_cloth.guarded");
