@@ -1,6 +1,6 @@
 // Layers that lie exactly in one place: contact has no side to push them to, so they stay there. Looked for when a
-// cloth takes its first step; a warning names it, the other and how many triangles. Where cloths are sewn together they
-// have rows of vertices in one place, but no triangles.
+// cloth takes its first step; a warning names it, the other and how many triangles. Where cloths are sewn together,
+// rows of their vertices lie in one place, but no triangles.
 #include <algorithm>
 #include <array>
 #include <cmath>
