@@ -207,7 +207,7 @@ constexpr Option<ClothReading> kCloth[] = {
     field<&ClothDesc::group>("group", "", kBits),
     field<&ClothDesc::mask>("mask", "", kBits),
     field<&ClothDesc::substeps>("substeps", "", {1, 10000}).unset(),
-    field<&ClothDesc::max_substeps>("max_substeps", "", {1, 10000}),
+    field<&ClothDesc::max_substeps>("max_substeps", "", {0, 10000}),
     field<&ClothDesc::stretch_error>("stretch_error", "", kPositive).unset(),
     {{.name = "solver"}, "string", read_solver, show_solver, nullptr, names_of<cloth_solvers>},
     special("integrator", "string", read_integrator),

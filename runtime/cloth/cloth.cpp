@@ -64,7 +64,7 @@ void check_numbers(const ClothDesc& d) {
   need(is_finite(d.gravity_scale), "gravity_scale", "a finite number", d.gravity_scale);
   need(d.stretch_error < 0 || positive(d.stretch_error), "stretch_error", "a number above 0", d.stretch_error);
   need(d.substeps >= 0 && d.substeps <= 10000, "substeps", "a whole number from 0 to 10000", d.substeps);
-  need(d.max_substeps >= 0 && d.max_substeps <= 10000, "max_substeps", "a whole number from 1 to 10000",
+  need(d.max_substeps >= 0 && d.max_substeps <= 10000, "max_substeps", "a whole number from 0 to 10000",
        d.max_substeps);
 }
 

@@ -23,6 +23,7 @@ const std::map<std::string, std::string> kRungs = {
     {"hanging_sheet", "substeps:4,32"},
     {"catenary", "substeps:4,32"},
     {"cantilever", "substeps:8,64"},
+    {"drum", "substeps:2,8"},
     {"drape", "substeps:2,8"},
     {"hydrostatic", "substeps:2,8"},
     {"dam_break", "substeps:2,8"},
