@@ -27,13 +27,16 @@ constexpr Real kUsed = Real(0.75);      // of a skin, beyond which it is renewed
 constexpr Real kFolded = 1;             // candidates by points, from which a search is kept
 constexpr Real kUnfolded = Real(0.1);   // rows by points, below which it is so no longer
 constexpr Real kMany = Real(0.6);       // of the blocks, beyond which all are searched
+
+// What a snapshot may hold, whoever wrote it.
+bool sound(const Row4& rest) { return is_finite(rest.vec()) && rest.w >= 0 && rest.w < kInfinity; }
 }  // namespace
 
 KeptOf SurfaceContact::Impl::kept_of(std::uint32_t group) const {
   const SurfaceGroup& g = *surfaces.groups[group];
   const std::uint32_t n = g.members[0];
   const Surface& s = list[n];
-  return {s.object, s.version, group, n, s.first, s.count, s.thickness};
+  return {s.object, s.version, group, n, s.first, s.count, double(s.thickness)};
 }
 
 // Drops what is kept of other points than those of the step, and takes over what a snapshot holds.
@@ -47,7 +50,7 @@ void SurfaceContact::Impl::check_kept() {
     const KeptOf now = kept_of(k);
     if (near.kept && !(near.kept_of == now)) near.drop();
     for (const KeptImage& image : kept_images) {
-      if (!(image.of == now) || image.rest.size() != now.count) continue;
+      if (!(image.of == now) || image.rest.size() != now.count || !std::ranges::all_of(image.rest, sound)) continue;
       near.drop();
       near.kept = true, near.kept_of = now, near.rest = image.rest, near.rows = image.rows;
     }

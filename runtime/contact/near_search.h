@@ -42,9 +42,10 @@ struct KeptOf {
   ObjectId object;
   std::uint64_t version = 0;
   std::uint32_t group = 0, surface = 0, first = 0, count = 0;
-  Real thickness = 0;
+  double thickness = 0;  // m
   friend bool operator==(const KeptOf&, const KeptOf&) = default;
 };
+static_assert(sizeof(KeptOf) == 40);  // no gaps: it is saved as it is
 
 // All of it is made anew in each step, but for a kept search (kept.cpp).
 struct NearSearch {

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "cloth/sheets.h"
 #include "couple/cloth_and_rigid.h"
 #include "narrow/narrow_phase.h"
 #include "state/bodies.h"
@@ -388,14 +389,6 @@ namespace {
 
 constexpr Real kSpeed = 100, kRadius = Real(0.05);  // m/s, m
 
-WorldDesc empty_space() {
-  WorldDesc wd;
-  wd.gravity = Vec3(0, 0, 0);
-  wd.sleeping = false;
-  wd.options.set("air_density", 0.0);
-  return wd;
-}
-
 ObjectId shoot(World& w, const Vec3& from) {
   BodyDesc d;
   d.shape = make_sphere(kRadius);
@@ -421,7 +414,7 @@ TEST_CASE("a 5 cm ball at 100 m/s does not pass a sheet pinned at four corners",
   const std::string solver = GENERATE("xpbd", "vbd");
   const Vec3 from = GENERATE(Vec3(0, 1, 0), Vec3(Real(0.13), Real(0.4), Real(-0.21)));
   CAPTURE(solver, from[0]);
-  World w(empty_space(), kClothAndRigid);
+  World w(test::weightless(), kClothAndRigid);
   ClothDesc d = plain_sheet(solver);
   for (const char* corner : kCorners) d.pin_names.push_back(corner);
   w.need<Cloth>().add_cloth(d);
@@ -441,7 +434,7 @@ TEST_CASE("a 5 cm ball at 100 m/s does not pass a sheet pinned at four corners",
 }
 
 TEST_CASE("held by four bodies, sheet and ball keep their momentum", "[couple][cloth]") {
-  World w(empty_space(), kClothAndRigid);
+  World w(test::weightless(), kClothAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Cloth& cloth = w.need<Cloth>();
   const ObjectId id = cloth.add_cloth(plain_sheet("xpbd"));
