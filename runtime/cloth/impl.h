@@ -45,6 +45,8 @@ struct Cloth::Impl {
   };
   Array<Carried> hauled{&arena};               // of a solver substep and cloth, see ties.cpp
   Array<Real> carried_mass{&arena};            // kg
+  bool carried_afloat = false;                 // nothing else holds it
+  Double3 carried_momentum{0, 0, 0};           // of the cloth alone before its solver moves it, kg m/s
   Array<unsigned char> edited_vertex{&arena};  // of suspects(), by vertex of a cloth
   struct Neighborhood {
     Vec3 sum = Vec3::Zero();  // of the neighbours' positions, m
@@ -87,7 +89,9 @@ struct Cloth::Impl {
   void show(const Sheet& s);  // adds its surface
   void solve_body_ties(StepContext& c);
   void carry_bodies(Sheet& s, const SurfaceGroup& g, ClothView& v);
-  void hand_over(const SurfaceGroup& g);
+  template <class F>
+  Double3 momentum_of(const Sheet& s, F&& velocity_of) const;
+  void hand_over(const Sheet& s, const SurfaceGroup& g);
   void wake(Sheet& s, WakeCause cause, ObjectId other);
   void put_to_sleep(Sheet& s);
 

@@ -323,14 +323,15 @@ void Cloth::Impl::begin_substep(StepContext& c) {
 // d/h, so a sweep changes angular momentum by sum m x0 cross d/h, x0 at the start of the solver substep. It is summed
 // here, and taken out once per substep.
 void Cloth::Impl::measure_gained_momentum(Sheet& s, Real h) {
-  Vec3 gained = Vec3::Zero();  // kg m^2
+  Double3 gained{0, 0, 0};  // kg m^2
   const Vec3 near =
       vertices.position[s.first] + before[s.first].vec();  // any reference point: a sweep keeps linear momentum
   for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
     const Vec3 r = vertices.position[i] + before[i].vec() - near;
-    gained += vertices.mass[i] * cross(r, delta_position[i].vec() - before[i].vec() - h * velocity[i].vec());
+    const Vec3 change = delta_position[i].vec() - before[i].vec() - h * velocity[i].vec();
+    gained = gained + double(vertices.mass[i]) * cross(wide(r), wide(change));
   }
-  s.gained_momentum += gained / h;
+  s.gained_momentum += narrow((1 / double(h)) * gained);
 }
 
 // Takes the error out as a rotation of the whole about its centre of mass.
@@ -358,7 +359,7 @@ void Cloth::Impl::advance(StepContext& c) {
     if (inflated) push_gas(s, g.step);
     s.solver->advance(v, start + c.inner.index * static_cast<double>(g.step), g.step, c);
     if (inflated && !s.any_pin && before[s.first].w == 0) keep_momentum(s, g.step);
-    if (carries) hand_over(g);
+    if (carries) hand_over(s, g);
     if (!s.any_pin && before[s.first].w == 0) measure_gained_momentum(s, g.step);
   });
 }

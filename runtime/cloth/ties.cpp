@@ -189,6 +189,14 @@ void Cloth::Impl::place_ties(Sheet& s) {
     }
 }
 
+template <class F>
+Double3 Cloth::Impl::momentum_of(const Sheet& s, F&& velocity_of) const {
+  Double3 sum{0, 0, 0};  // kg m/s
+  for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
+    sum = sum + double(vertices.mass[i]) * wide(velocity_of(i));
+  return sum;
+}
+
 // A solver that goes to a minimum has to know what hangs from a vertex, or its light end would follow the links and
 // leave the body behind. So for its solver substep an attached vertex has its share of the body's mass and momentum
 // too; and the body gets the share of what the solver gave to it. The attachment corrects what that leaves.
@@ -205,6 +213,9 @@ void Cloth::Impl::carry_bodies(Sheet& s, const SurfaceGroup& g, ClothView& v) {
     hauled.push_back({n, 1 / (inv_mass * share), Vec3::Zero()});
   }
   if (hauled.empty()) return;
+  carried_momentum = momentum_of(s, [&](std::uint32_t i) { return Vec3(velocity[i].vec() + g.step * acceleration[i]); });
+  carried_afloat = std::all_of(delta_position.begin() + s.first, delta_position.begin() + s.first + s.points,
+                               [](const Row4& x) { return x.w != 0; });
   carried_mass.assign(vertices.mass.begin() + s.first, vertices.mass.begin() + s.first + s.total);
   for (Carried& k : hauled) {
     const SurfaceAttachment& a = g.attachments[k.attachment];
@@ -220,12 +231,21 @@ void Cloth::Impl::carry_bodies(Sheet& s, const SurfaceGroup& g, ClothView& v) {
   v.mass = carried_mass.data();
 }
 
-// Before bodies move by their velocities in this solver substep.
-void Cloth::Impl::hand_over(const SurfaceGroup& g) {
+// Before bodies move by their velocities in this solver substep. The rounding of displacements times the masses of
+// bodies is far from small beside a light sheet: where nothing else holds it, they share what it has lost.
+void Cloth::Impl::hand_over(const Sheet& s, const SurfaceGroup& g) {
+  if (hauled.empty()) return;
+  const auto moved = [&](std::uint32_t i) { return Vec3((delta_position[i].vec() - before[i].vec()) / g.step); };
+  const auto given = [&](const Carried& k) {
+    return Vec3(k.mass * (moved(g.attachments[k.attachment].vertex) - k.velocity));
+  };
+  Double3 owed = carried_momentum - momentum_of(s, moved);
+  double all = 0;
+  for (const Carried& k : hauled) owed = owed - wide(given(k)), all += double(k.mass);
   for (const Carried& k : hauled) {
     const SurfaceAttachment& a = g.attachments[k.attachment];
-    const Vec3 moved = delta_position[a.vertex].vec() - before[a.vertex].vec();
-    const Vec3 impulse = k.mass * (moved / g.step - k.velocity);  // N s
+    Vec3 impulse = given(k);  // N s
+    if (carried_afloat) impulse += narrow((double(k.mass) / all) * owed);
     SolverBody& body = surfaces.solver_bodies->state[a.solver_index];
     const SolverMass& mass = surfaces.solver_bodies->mass[a.solver_index];
     body.velocity += mass.inv_mass_axes.cwiseProduct(impulse);

@@ -97,6 +97,8 @@ class Vbd final : public ClothSolver {
     }
     if (afloat_) centre(v, h);
     batches_.tie(v, h, c);
+    // hinges at a swept state push with a torque about where it began: it counts as what the sweeps add
+    if (bends && !stiff_ && settles_) each_vertex(v, c, [&](std::uint32_t i) { v.velocity[i] = kicked_[i]; });
   }
 
   void damp(const ClothView& v, Real h, StepContext& c) override {

@@ -58,6 +58,7 @@ struct SurfaceContact::Impl {
   Array<std::uint32_t> zone_of{&arena};       // by point: a point of its zone, itself for the root; kNone: in no zone
   Array<Zone> zones{&arena};                  // by lowest point
   Array<Row4> saved_displacement{&arena};     // displacements before search_again() or the zones change them, m
+  Array<Vec3> gained_momentum{&arena};         // by surface: angular momentum that its own rows left, kg m^2/s
   Array<Row4> saved_velocity{&arena};         // velocities while search_again() extrapolates along others, m/s
   Array<std::uint32_t> near_surface{&arena};  // by point: its surface
   std::uint64_t projected = 0, widened = 0;   // corrections and second searches of the last step
@@ -142,6 +143,8 @@ struct SurfaceContact::Impl {
   void solve_near(SurfaceGroup& g, NearSearch& near, Real h);
   void solve_row(SurfaceRow& r, bool near, Real h);
   void stop_rebound(SurfaceRow& r, bool near, Real h);
+  void add_gained(const SurfaceRow& r, const Vec3 (&x)[4], const Vec3& total, const Real (&tilt)[4], Real scale);
+  void remove_gained_momentum(const SurfaceGroup& g);
   void balance(const SurfaceRow& r, const Vec3 (&x)[4], const Vec3& total, Real push, Real (&tilt)[4]) const;
   Vec3 start(std::uint32_t vertex, Real h) const;  // where the solver substep of h began, m
 
@@ -220,7 +223,8 @@ struct SurfaceContact::Impl {
   Vec3 deviation(const NearSearch& near, std::uint32_t vertex) const;  // from the extrapolated motion, m
   bool within_search(NearSearch& near, Real part);
   bool separate(NearPair& p, Real h, bool push);
-  void project_out(NearSearch& near, Real part);
+  void project_out(const SurfaceGroup& g, NearSearch& near, Real part);
+  Vec3 angular_momentum(const NearSearch& near) const;
   void move_zones(const NearSearch& near, Real part);
   Real freedom(const NearPair& p);
   void search_again(const SurfaceGroup& g, NearSearch& near, Real part, bool held);

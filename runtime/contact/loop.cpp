@@ -14,10 +14,12 @@ void SurfaceContact::Impl::begin_substep(StepContext& c) {
   bool any = false;
   for (const Surface& s : list) any = any || s.active;
   if (!any) return;
+  gained_momentum.assign(list.size(), Vec3::Zero());
   const std::size_t solver_bodies =
       std::max<std::size_t>(surfaces.solver_bodies ? surfaces.solver_bodies->state.size() : 1, 1);
   surfaces.body_delta_position.assign(solver_bodies, Vec3::Zero()),
       surfaces.body_delta_rotation.assign(solver_bodies, Vec3::Zero());
+  surfaces.body_rounding.assign(solver_bodies, Vec3::Zero());
   for (std::size_t k = 0; k < surfaces.group_count; ++k) {
     SurfaceGroup& g = *surfaces.groups[k];
     counts.push_back(g.steps);
@@ -76,6 +78,7 @@ void SurfaceContact::Impl::project(StepContext& c) {
   if (!near.near || (!c.inner.last() && (k + 1) % near.near_every != 0)) return;
   project_pairs(g, near, g.step * static_cast<Real>(k % near.near_every + 1));
   collect_near(g);
+  if (c.inner.last()) remove_gained_momentum(g);
 }
 
 }  // namespace feder

@@ -64,12 +64,25 @@ bool SurfaceContact::Impl::separate(NearPair& p, Real h, bool push) {
       const Real w = a.w + b.w;
       if (!push || !(w > 0)) continue;
       const Real share = Real(1.01) * (wanted - gap) / w;
+      if (p.surface_pair == kNone) {
+        const Vec3 from = (current_position(p.v[i]) - current_position(p.v[j])) -
+                          h * (velocity[p.v[i]].vec() - velocity[p.v[j]].vec());
+        gained_momentum[near_surface[p.v[0]]] += (share / h) * cross(from, p.normal);
+      }
       a.add((a.w * share) * p.normal), b.add((-b.w * share) * p.normal);
       velocity[p.v[i]].add((a.w * share / h) * p.normal), velocity[p.v[j]].add((-b.w * share / h) * p.normal);
       along[i] += a.w * share, along[j] -= b.w * share;
       ++projected;
     }
   return good;
+}
+
+// Of the points of a search, about where the first of them was in the beginning.
+Vec3 SurfaceContact::Impl::angular_momentum(const NearSearch& near) const {
+  Vec3 sum = Vec3::Zero();
+  for (const std::uint32_t i : near.near_vertex)
+    sum += mass[i] * cross(current_position(i) - position[near.near_vertex[0]], velocity[i].vec());
+  return sum;
 }
 
 // Root of the zone of `i`: its lowest vertex; with path halving.
@@ -87,8 +100,10 @@ std::uint32_t SurfaceContact::Impl::zone_root(std::uint32_t i) {
 // their motion relative to it that leaves all of them apart; the share is the same for all, so momentum is kept. With a
 // share of zero they are as far apart as they were, so growing the zones until no pair is left terminates. A zone with
 // a pinned vertex has zero velocity.
-void SurfaceContact::Impl::project_out(NearSearch& near, Real part) {
+void SurfaceContact::Impl::project_out(const SurfaceGroup& g, NearSearch& near, Real part) {
   zone_of.resize(delta_position.size()), saved_displacement.resize(delta_position.size());
+  const std::uint32_t alone = g.members.size() == 1 ? g.members[0] : kNone;
+  if (alone != kNone) gained_momentum[alone] -= angular_momentum(near);
   for (const std::uint32_t i : near.near_vertex) zone_of[i] = kNone, saved_displacement[i] = delta_position[i];
   const auto join = [&](std::uint32_t& root, std::uint32_t i) {
     const bool fresh = zone_of[i] == kNone;
@@ -120,6 +135,7 @@ void SurfaceContact::Impl::project_out(NearSearch& near, Real part) {
     const Zone& z = zones[zone_root(i)];
     velocity[i].set(z.velocity + z.freedom * (velocity[i].vec() - z.velocity));
   }
+  if (alone != kNone) gained_momentum[alone] += angular_momentum(near);
 }
 
 // The largest s in [0, 1] with |a + s b| <= r.
@@ -228,7 +244,7 @@ void SurfaceContact::Impl::project_pairs(const SurfaceGroup& g, NearSearch& near
   }
   if (good && within_search(near, part)) return;
   search_again(g, near, part, true);
-  project_out(near, part);
+  project_out(g, near, part);
 }
 
 }  // namespace feder

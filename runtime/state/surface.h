@@ -186,6 +186,7 @@ struct Surfaces {
   // By solver index: displacement since the start of the substep, as the running group sees it.
   SolverBodies* solver_bodies = nullptr;                                 // null: nothing moves beside surfaces
   Array<Vec3> body_delta_position{&arena}, body_delta_rotation{&arena};  // m, rad
+  Array<Vec3> body_rounding{&arena};  // of its velocity in the substep so far (Kahan 1965), m/s
 
   // Owners of surfaces, declared when that changes: contact has passes where two surfaces may meet, where one takes its
   // substeps in the loop (cloth) or has self-contact, and where one has faces that a body may meet.
@@ -267,7 +268,9 @@ struct Surfaces {
     const Vec3 shift = mm.inv_mass_axes.cwiseProduct(correction), rotation = mm.inv_inertia * cross(arm, correction);
     body_delta_position[m] += shift;
     body_delta_rotation[m] += rotation;
-    state.velocity += shift / h;
+    const Vec3 change = shift / h + body_rounding[m], was = state.velocity;
+    state.velocity += change;
+    body_rounding[m] = change - (state.velocity - was);
     state.angular_velocity += rotation / h;
   }
 };
