@@ -130,6 +130,7 @@ class MassSpring final : public ClothSolver, private ForceField {
   double wanted_substeps(const ClothView& v, Real h) const override {
     return std::sqrt(fastest(v)) * double(h) / stability_limit();
   }
+  bool carries_bodies() const override { return false; }
   double substeps_beyond(double cap) const override { return stiff_.integrator ? kStiffSteps : cap; }
 
   void save(Writer& w) const override {

@@ -24,6 +24,7 @@ struct ClothView {
   std::uint64_t version = 0;                  // changes with the mesh
   std::uint64_t rests = 0;                    // changes with rest lengths and angles too, where `flows`
   bool flows = false;                         // plastic
+  Real lacking = 1;                           // solver substeps that it would need, by those it gets
   bool taut = false;                          // tension holds it: closed under pressure, or in a frame too large
   Real damping = 0;                           // s
   Real max_strain = kInfinity;                // of links
@@ -69,6 +70,7 @@ class ClothSolver {
   virtual Real relaxation() const { return 1; }       // of contact corrections
   virtual bool sheds_strain() const { return true; }  // the stretch law of step.cpp applies
   virtual bool converges() const { return false; }    // the law for loads alone does: it carries its own weight
+  virtual bool carries_bodies() const { return true; }  // what hangs from a vertex counts as mass of it, see ties.cpp
   virtual double least_cap() const { return 1; }      // solver substeps that `max_substeps` cannot forbid
   virtual double substeps_beyond(double cap) const {
     return cap;

@@ -69,6 +69,7 @@ ClothView Cloth::Impl::view(Sheet& s) {
   v.points = s.points, v.total = s.total;
   v.version = s.version;
   v.rests = s.rests, v.flows = s.settings.flows();
+  v.lacking = s.lacking;
   v.taut = s.framed || (s.settings.pressure != 0 && s.gas.closed);
   v.damping = s.settings.damping;
   v.max_strain = s.limited() ? s.settings.max_strain : kInfinity;
@@ -150,7 +151,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
     if (!s.active()) continue;
     if (s.paths_stale) measure_paths(s), make_ties(s);
     if (s.settings.substeps > 0) {
-      s.state.substeps = s.settings.substeps;
+      s.state.substeps = s.settings.substeps, s.lacking = 1;
     } else {
       if (const bool framed = pins_apart(s) > kFramed; framed != s.framed) s.framed = framed, s.bend_step = -1;
       if (s.bend_step != c.h) s.bend_step = c.h, s.bend_substeps = s.solver->wanted_substeps(view(s), c.h);
@@ -177,6 +178,7 @@ void Cloth::Impl::choose_steps(StepContext& c) {
                            cap_cure(s, wanted, cap),
                        s.object);
       }
+      s.lacking = static_cast<Real>(std::fmax(wanted / cap, 1));
       if (wanted > cap) wanted = s.solver->substeps_beyond(cap);
       const std::int32_t count = static_cast<std::int32_t>(std::ceil(std::fmax(1.0, std::fmin(wanted, cap))));
       const bool fewer = count < s.state.substeps;
@@ -353,7 +355,7 @@ void Cloth::Impl::advance(StepContext& c) {
     if (!s.prepared) prepare_solver(s, c);  // woken by a coupling in this step: held until its end
     ClothView v = view(s);
     v.crowded = g.crowded;
-    const bool carries = s.solver->converges() && !g.attachments.empty();
+    const bool carries = s.solver->carries_bodies() && !g.attachments.empty();
     if (carries) carry_bodies(s, g, v);
     const bool inflated = s.gas.pressure != 0;
     if (inflated) push_gas(s, g.step);

@@ -11,6 +11,7 @@
 // n rows, sets the number of solver substeps (step.cpp), so light cloth under heavy bodies stretches more than its
 // material; and a spinning cloth loses angular momentum in proportion to its strain and to the solver substep, as with
 // implicit methods (gradients are those of the new positions).
+#include <algorithm>
 #include <cmath>
 
 #include "base/jobs.h"
@@ -24,6 +25,7 @@ constexpr double kBendShare = 0.1;  // h^2 k sum w |gradient|^2 that is wanted f
 constexpr double kTautShare = 1.4;
 constexpr double kSoftHinge = 0.12;      // largest value of it at which hinges push as forces
 constexpr int kTogether = 9;             // solver substeps that one push of soft hinges may stand for, odd
+constexpr Real kMostSweeps = 4;          // in place of solver substeps that max_substeps does not allow
 constexpr JobGrain kGrain{1024, 4'000};  // vertices per job
 
 class Xpbd final : public ClothSolver {
@@ -55,7 +57,8 @@ class Xpbd final : public ClothSolver {
       }
     });
     // sweeps of the rows
-    for (int k = 0; k < iterations_; ++k) batches_.solve(v, h, !soft_, {k, iterations_}, c);
+    const int sweeps = std::max(iterations_, static_cast<int>(std::ceil(std::min(v.lacking, kMostSweeps))));
+    for (int k = 0; k < sweeps; ++k) batches_.solve(v, h, !soft_, {k, sweeps}, c);
     batches_.tie(v, h, c);
   }
 

@@ -58,7 +58,7 @@ struct SurfaceContact::Impl {
   Array<std::uint32_t> zone_of{&arena};       // by point: a point of its zone, itself for the root; kNone: in no zone
   Array<Zone> zones{&arena};                  // by lowest point
   Array<Row4> saved_displacement{&arena};     // displacements before search_again() or the zones change them, m
-  Array<Vec3> gained_momentum{&arena};         // by surface: angular momentum that its own rows left, kg m^2/s
+  Array<Vec3> gained_momentum{&arena};        // by surface: angular momentum that its own rows left, kg m^2/s
   Array<Row4> saved_velocity{&arena};         // velocities while search_again() extrapolates along others, m/s
   Array<std::uint32_t> near_surface{&arena};  // by point: its surface
   std::uint64_t projected = 0, widened = 0;   // corrections and second searches of the last step

@@ -4,9 +4,9 @@
 // rebound of a row is taken out again. Overlap from before the substep is undone at kPushSpeed at most, so that it
 // cannot explode. A row near pinned vertices has little effect on the free ones: to move a point that takes a share b
 // of a vertex by d, the vertex moves d/b. It is limited to kMaxMotion d, so what pins make impossible stays undone and
-// does not grow. Rows run on one thread: those between surfaces in their makers' order, those against bodies in runs, by
-// strides of the golden section: a sweep from one side to the other pushes a sheet that way. Kept between calls: impulses of
-// the rows. Weak spot: Gauss-Seidel converges slowly for heavy bodies on light cloth.
+// does not grow. Rows run on one thread: those between surfaces in their makers' order, those against bodies in runs,
+// by strides of the golden section: a sweep from one side to the other pushes a sheet that way. Kept between calls:
+// impulses of the rows. Weak spot: Gauss-Seidel converges slowly for heavy bodies on light cloth.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -18,9 +18,9 @@
 
 namespace feder {
 namespace {
-constexpr Real kPushSpeed = 1;  // m/s
-constexpr Real kPullSpeed = 3;  // m/s, of attachments
-constexpr std::size_t kRun = 4;  // rows against bodies, one after another
+constexpr Real kPushSpeed = 1;    // m/s
+constexpr Real kPullSpeed = 3;    // m/s, of attachments
+constexpr std::size_t kRun = 4;   // rows against bodies, one after another
 constexpr std::size_t kFew = 64;  // runs, below which they stay in order
 // Largest motion of one vertex over the correction of its row. Free vertices of a mesh, whose masses differ by up to
 // 1:6, move by 1.9 at most (the maximum of 6 a/(6 a^2 + (1 - a)^2)).

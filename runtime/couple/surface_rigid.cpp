@@ -260,7 +260,23 @@ void SurfaceRigid::hold_links(StepContext& c) {
 
 // Impulses of the rows of this substep, for the contact states.
 void SurfaceRigid::collect(StepContext& c) {
-  for (std::size_t k = 0; k < surfaces_.group_count; ++k) collect_group(k, c);
+  for (std::size_t k = 0; k < surfaces_.group_count; ++k) collect_group(k, c), place_attached(*surfaces_.groups[k], c);
+}
+
+// The rigid solver moves bodies by their last velocity for the whole substep. What surfaces saw of their motion in it
+// differs from that: without the difference a stiff sheet and what is attached to it would be a spring integrated with
+// the long step.
+void SurfaceRigid::place_attached(const SurfaceGroup& group, StepContext& c) {
+  for (const SurfaceAttachment& a : group.attachments) {
+    const std::uint32_t m = a.solver_index;
+    if (m == 0) continue;
+    SolverBody& s = solver_bodies_.state[m];
+    const Vec3 moves = c.h * s.velocity, turns = c.h * s.angular_velocity;
+    const Vec3 turn = surfaces_.body_delta_rotation[m] - turns;
+    s.delta_position += surfaces_.body_delta_position[m] - moves, s.delta_rotation += turn;
+    s.rotation = integrate_rotation(s.rotation, turn);
+    surfaces_.body_delta_position[m] = moves, surfaces_.body_delta_rotation[m] = turns;  // once
+  }
 }
 
 void SurfaceRigid::collect_group(std::size_t group, StepContext& c) {

@@ -65,6 +65,7 @@ class SurfaceRigid final : public System {
   void fill_rows(StepContext& c);
   void collect(StepContext& c);
   void collect_group(std::size_t group, StepContext& c);
+  void place_attached(const SurfaceGroup& group, StepContext& c);
   void finish(StepContext& c);
 
   void wake_left();
