@@ -20,7 +20,7 @@ namespace feder {
 struct RopeSettings {
   Real radius = 0, density = 0, stretch = 0, bend = 0;  // m, kg/m^3, N, N m^2
   Real damping = 0;                                     // s
-  Real friction = 0, gravity_scale = 1;
+  Real drag = 0, friction = 0, gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;
   std::uint32_t self_collision = 1;
   std::int32_t substeps = 0;
@@ -91,6 +91,7 @@ struct Rope::Impl {
   CommandLog& commands;
   Events& events;
   bool* structure_changed;
+  const Real air_density;  // kg/m^3, of still air
   Surfaces& surfaces;
   std::vector<std::unique_ptr<Line>> lines;  // by object index
   std::size_t force_count = 0;               // forces known when the passes were made
@@ -129,6 +130,7 @@ struct Rope::Impl {
 
   int wanted_substeps(const Line& l, const StepContext& c, Real fastest) const;
   void add_forces(Line& l, StepContext& c);
+  void add_air(const Line& l, Real h, bool blown, double time);
   void advance_line(Line& l, SurfaceGroup& g, StepContext& c);
   Vec3 body_velocity(std::uint32_t solver_index, const StepContext& c) const;
   void list_contacts(Line& l, SurfaceGroup& g, const StepContext& c);

@@ -82,27 +82,6 @@ void Rope::Impl::gather(StepContext&) {
   }
 }
 
-void Rope::Impl::add_forces(Line& l, StepContext& c) {
-  const Surface& s = surfaces.list[l.surface];
-  const double time = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
-  const Vec3 g = c.gravity * l.settings.gravity_scale;
-  forces.assign(l.script_force.begin(), l.script_force.end());
-  points.clear();
-  each_force(l, [&](const ForceEntry& f) {
-    if (f.force->on_area()) return;
-    if (points.empty())
-      for (std::uint32_t i = 0; i < l.size(); ++i) {
-        MassPoint p = mass_point(l, i);
-        p.position = surfaces.position[s.first + i] + surfaces.delta_position[s.first + i].vec();
-        p.velocity = surfaces.velocity[s.first + i].vec();
-        p.most_drag = store.get<Forces>().drag_share() * l.mass[i] / c.h;
-        points.push_back(p);
-      }
-    f.force->add(points.data(), l.size(), time, forces.data());
-  });
-  for (std::uint32_t i = 0; i < l.size(); ++i) l.acceleration[i] = g + forces[i] * l.inv_mass[i];
-}
-
 void Rope::Impl::remember_bodies(StepContext&) {
   const SolverBodies& bodies = store.get<SolverBodies>();
   body_start.resize(bodies.state.size());
@@ -408,7 +387,7 @@ void Rope::Impl::put_to_sleep(Line& l) {
   events.add_pending({.kind = EventKind::sleep, .a = l.object, .b = {}});
 }
 
-// Asleep when the mean kinetic energy per mass stays below that of kSleepSpeed for kSleepTime.
+// Asleep when the mean kinetic energy per mass stays below that of kSleepSpeed for kSleepTime, under steady forces.
 void Rope::Impl::update_sleep(Line& l, StepContext& c) {
   if (!c.sleeping) return;
   const Surface& s = surfaces.list[l.surface];
@@ -420,7 +399,9 @@ void Rope::Impl::update_sleep(Line& l, StepContext& c) {
   energy = Real(0.5) * energy / l.total_mass;
   const Real cap = kSleepSpeed * kSleepSpeed * 25, keep = 1 / (1 + c.dt / kMemory);
   l.state.sleep_energy = std::min(energy + (std::min(l.state.sleep_energy, cap) - energy) * keep, cap);
-  if (l.state.sleep_energy > Real(0.5) * kSleepSpeed * kSleepSpeed) {
+  bool steady = true;  // generators on areas may gust
+  each_force(l, [&](const ForceEntry& f) { steady = steady && !f.force->on_area(); });
+  if (!steady || l.state.sleep_energy > Real(0.5) * kSleepSpeed * kSleepSpeed) {
     l.state.sleep_steps = 0;
     return;
   }

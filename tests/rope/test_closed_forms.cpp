@@ -139,7 +139,7 @@ TEST_CASE("a limp rope swings in its first mode", "[rope]") {
     d.points.push_back(vec3(static_cast<Real>(0.02 * j0), static_cast<Real>(s - 1), 0));
   }
   d.pins = {0};
-  World w(WorldDesc{}, catalog());
+  World w(vacuum(), catalog());
   Rope& rope = w.need<Rope>();
   const ObjectId id = rope.add_rope(d);
   // quarter periods: crossings of the tip
@@ -161,7 +161,7 @@ TEST_CASE("a limp rope swings in its first mode", "[rope]") {
 }
 
 TEST_CASE("a free rope falls as a stone and keeps its momenta", "[rope]") {
-  World w(WorldDesc{}, catalog());
+  World w(vacuum(), catalog());
   Rope& rope = w.need<Rope>();
   RopeDesc d;
   for (int i = 0; i <= 30; ++i)
@@ -191,9 +191,7 @@ TEST_CASE("a free rope falls as a stone and keeps its momenta", "[rope]") {
 }
 
 TEST_CASE("angular momentum of a tumbling rope", "[rope]") {
-  WorldDesc desc;
-  desc.gravity = Vec3(0, 0, 0);
-  World w(desc, catalog());
+  World w(vacuum(Vec3(0, 0, 0)), catalog());
   Rope& rope = w.need<Rope>();
   RopeDesc d = straight_rope(Vec3(-1, 0, 0), Vec3(1, 0, 0), 40);
   const ObjectId id = rope.add_rope(d);
