@@ -12,7 +12,6 @@ namespace {
 constexpr int kMaxIterations = 20;
 constexpr double kTolerance = 1e-6;        // of the segments' length: a smaller correction is the last
 constexpr double kContactStiffness = 100;  // times mass/h^2 of the rope's point
-constexpr double kPushSpeed = 1;           // m/s, at which penetration from before is undone
 constexpr double kSlow = 0.7;              // of the last correction: after a larger one, less is taken
 constexpr double kLeastShare = 0.125;
 constexpr double kMostBending = 20;  // bound of the ratio of an angle to its sine

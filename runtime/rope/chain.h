@@ -13,6 +13,8 @@
 
 namespace feder {
 
+inline constexpr double kPushSpeed = 1;  // m/s, at which penetration from before is undone
+
 struct Block3 {  // 3 x 3, by rows
   double m[9];
 };

@@ -45,8 +45,8 @@ void check_rope(const RopeDesc& d, const std::string& owner) {
 
 Rope::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), store(s.store), objects(s.objects), commands(s.commands), events(s.events),
-      structure_changed(s.structure_changed), air_density(still_air_density(s.world)),
-      surfaces(s.store.need<Surfaces>("contact")) {}
+      watched(s.store.need<Watch>("watch")), structure_changed(s.structure_changed),
+      air_density(still_air_density(s.world)), surfaces(s.store.need<Surfaces>("contact")) {}
 
 const SystemDescriptor& Rope::descriptor() {
   static const char* const needs[] = {"contact"};

@@ -40,6 +40,7 @@ void Rope::Impl::show(StepContext& c) {
   for (auto& p : lines) {
     Line& l = *p;
     l.bad_point = kNone, l.touched = false, l.missed = 0;
+    l.kinetic_before = l.kinetic_energy(), l.began = l.position;
     Surface s;
     s.object = l.object;
     s.first = surfaces.claim(l.size()), s.count = s.total = l.size();
@@ -348,6 +349,7 @@ void Rope::Impl::commit(StepContext& c) {
       message += (message.empty() ? "" : "; ") + objects.describe(l.object) + " point " +
                  std::to_string(l.bad_point + 1) + " went non-finite: the rope is held where it was";
       if (!bad) bad = l.object;
+      watched.suspects.push_back({kName, l.object, l.kinetic_before, NAN, 0, 0, false, kRopeCure});
       continue;
     }
     for (std::uint32_t i = 0; i < l.size(); ++i) {
@@ -356,6 +358,7 @@ void Rope::Impl::commit(StepContext& c) {
       l.velocity[i] = surfaces.velocity[s.first + i].vec() + lead;
     }
     l.set_flight(flight);
+    watch(l, c);
     const double shortest = double(*std::min_element(l.rest_length.begin(), l.rest_length.end()));
     if (l.missed > kMissed * shortest && !l.state.warned) {
       l.state.warned = 1;

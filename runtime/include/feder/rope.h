@@ -59,6 +59,7 @@ class Rope final : public System {
   void load(Reader& r) override;
   Energy energy(const Vec3& gravity) const override;
   Momentum momentum() const override;
+  double held(const StepContext& c) override;
   void residuals(std::vector<Residual>& out) const override;  // rope.max_strain, .solves, .sleeping, .quarantined
   bool finite() const override;
   void validate() const override;
