@@ -221,15 +221,17 @@ Momentum Rope::momentum() const {
 }
 
 void Rope::residuals(std::vector<Residual>& out) const {
-  double strain = 0, frozen = 0, sleeping = 0, steps = 1;
+  double strain = 0, frozen = 0, sleeping = 0, steps = 1, missed = 0;
   for (const auto& l : impl_->lines) {
     strain = std::max(strain, double(max_strain(l->object)));
     frozen += l->state.frozen != 0, sleeping += l->state.asleep != 0;
     steps = std::max(steps, double(l->state.substeps));
+    if (l->active()) missed = std::max(missed, l->missed);
   }
   out.push_back({"rope.max_strain", strain});
   out.push_back({"rope.substeps", steps});
   out.push_back({"rope.solves", static_cast<double>(impl_->solves)});
+  out.push_back({"rope.missed", missed});
   out.push_back({"rope.sleeping", sleeping});
   out.push_back({"rope.quarantined", frozen});
 }

@@ -60,7 +60,7 @@ class Rope final : public System {
   Energy energy(const Vec3& gravity) const override;
   Momentum momentum() const override;
   double held(const StepContext& c) override;
-  void residuals(std::vector<Residual>& out) const override;  // rope.max_strain, .solves, .sleeping, .quarantined
+  void residuals(std::vector<Residual>& out) const override;  // rope.max_strain, .solves, .missed (m), .sleeping ...
   bool finite() const override;
   void validate() const override;
 
