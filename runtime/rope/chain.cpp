@@ -11,11 +11,11 @@ namespace feder {
 namespace {
 
 constexpr int kMaxIterations = 40;
-constexpr int kFreeIterations = 5;         // with friction limits that follow the normal forces
-constexpr int kLimitRounds = 4;            // that hold them, at most
+constexpr int kFreeIterations = 5;         // in a row, with friction limits that follow the normal forces
 constexpr int kHalvings = 12;              // of a correction
 constexpr double kTolerance = 1e-6;        // of the segments' length: a smaller correction is the last
 constexpr double kContactStiffness = 100;  // times mass/h^2 of the rope's point
+constexpr double kHoopStiffness = 0.01;    // and of a segment: a rope round a post presses as it is stiff
 constexpr double kSlow = 0.7;              // of the last correction: after a larger one, less is taken
 constexpr double kLeastShare = 0.125;
 constexpr double kDecrease = 1e-4;    // Armijo's share of what the slope promises
@@ -154,8 +154,9 @@ bool Chain::press(const ChainStep& s, const ChainContact& c, const Array<Double3
       mass = std::fmin(mass, s.mass[i + k]);
     }
   if (!(mass < double(kInfinity))) return false;
-  const double soft = s.h * s.h / (kContactStiffness * mass);
-  for (int k = 0; k < 2; ++k) out.k[k] = 1 / (soft + c.compliance[k]);
+  const double inertia = mass / (s.h * s.h), along = s.stretch / double(s.rest_length[std::min(i, s.count - 2)]);
+  out.k[0] = 1 / (1 / (kContactStiffness * inertia + kHoopStiffness * along) + c.compliance[0]);
+  out.k[1] = 1 / (1 / (kContactStiffness * inertia) + c.compliance[1]);
   const double gap = c.gap + dot(c.normal, moved) + std::fmax(-c.start_gap - kPushSpeed * s.h, 0.0);
   const double before = dot(c.normal, c.force);
   out.normal = std::fmax(std::fmax(before, 0.0) - out.k[0] * gap, 0.0);
@@ -303,22 +304,25 @@ const Array<Double3>& Chain::solve(const ChainStep& s, Array<ChainContact>& cont
   for (std::uint32_t i = 0; i < s.count; ++i) end_[i] = guess[i];
   if (wide_) remember_bends(s);
   last_ = double(kInfinity), share_ = 1, hold_limits_ = false;
-  int rounds = 0;
+  int free = 0;
   for (iterations = 1;; ++iterations) {
-    if (iterations == kFreeIterations + 1) renew_limits(s, contacts);
+    if (!hold_limits_ && free++ == kFreeIterations) renew_limits(s, contacts);
     assemble(s, contacts, loads);
     if (hold_limits_)
       for (std::uint32_t i = 0; i < s.count; ++i) pull_[i] = residual_[i];
     missed = eliminate(s);
     double share = missed > longest ? longest / missed : 1;
-    if (hold_limits_)
+    if (missed <= kTolerance * longest)
+      share = 1;  // the last one here
+    else if (hold_limits_)
       share = descending_share(s, contacts, loads, share);
     else
       share = std::fmin(share, damped_share(missed));
     for (std::uint32_t i = 0; i < s.count; ++i) end_[i] = end_[i] + share * residual_[i];
     if (iterations == kMaxIterations || !(missed < double(kInfinity))) break;
     if (missed > kTolerance * longest) continue;
-    if (!hold_limits_ || ++rounds == kLimitRounds || !renew_limits(s, contacts)) break;
+    if (!hold_limits_ || !renew_limits(s, contacts)) break;
+    hold_limits_ = false, free = 0, last_ = double(kInfinity), share_ = 1;  // from here, full corrections may do
   }
   for (ChainContact& c : contacts) finish(s, c);
   return end_;

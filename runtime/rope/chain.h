@@ -5,10 +5,11 @@
 // the system, by the augmented Lagrangian of normal and Coulomb friction forces (Alart and Curnier 1991) with
 // semismooth Newton steps: forces go on from those of the solver substep before, so that at rest nothing penetrates and
 // nothing creeps, and a load that hangs from friction is carried whatever its mass. One update of the forces per solver
-// substep. Where steps go round in a circle, which they may as Coulomb's friction has no potential, friction limits are
-// held for a while: then the step has one (chain_energy.cpp), which every correction lessens (Armijo 1966). Kept
-// between calls: work memory; the forces of contacts by the caller. Weak spot: contacts between surfaces are not in the
-// system, so a rope that lies on itself takes about twenty steps; so does one that starts folded and stiff.
+// substep, which takes penalties that are not soft beside the rope round a post. Where steps go round in a circle,
+// which they may as Coulomb's friction has no potential, friction limits are held for a while: then the step has one
+// (chain_energy.cpp), which every correction lessens (Armijo 1966). Kept between calls: work memory; the forces of
+// contacts by the caller. Weak spot: contacts between surfaces are not in the system, so a rope that lies on itself
+// takes about twenty steps; so does one that starts folded and stiff.
 #pragma once
 #include "base/double3.h"
 #include "feder/memory.h"

@@ -25,6 +25,7 @@ const std::map<std::string, std::string> kRungs = {
     {"cantilever", "substeps:8,64"},
     {"drum", "substeps:2,8"},
     {"drape", "substeps:2,8"},
+    {"capstan", "substeps:2,8"},
     {"hydrostatic", "substeps:2,8"},
     {"dam_break", "substeps:2,8"},
     {"draught", "substeps:2,4"},
