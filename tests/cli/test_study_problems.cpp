@@ -24,6 +24,7 @@ const std::map<std::string, std::string> kRungs = {
     {"catenary", "substeps:4,32"},
     {"cantilever", "substeps:8,64"},
     {"drum", "substeps:2,8"},
+    {"balloon", "substeps:2,8"},
     {"drape", "substeps:2,8"},
     {"capstan", "substeps:2,8"},
     {"hydrostatic", "substeps:2,8"},
