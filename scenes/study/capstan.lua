@@ -27,7 +27,7 @@ return feder.scene {
       local _, y = rope:point((rope:count()))
       return y - first
     end,
-    reference = { 0 },
+    reference = function() return { 0 } end,
     error = function()
       local sum = 0
       for _, tension in ipairs(samples) do sum = sum + tension end
