@@ -57,6 +57,7 @@ constexpr Option<RopeReading> kRope[] = {
     field<&RopeDesc::stretch>("stretch", "N", kPositive),
     field<&RopeDesc::bend>("bend", "N m2", kNotNegative),
     field<&RopeDesc::damping>("damping", "s", kNotNegative),
+    field<&RopeDesc::drag>("drag", "", kNotNegative),
     field<&RopeDesc::friction>("friction", "", kNotNegative),
     field<&RopeDesc::self_collision>("self_collision"),
     field<&RopeDesc::gravity_scale>("gravity_scale", "", kGravityScale),

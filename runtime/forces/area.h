@@ -53,4 +53,21 @@ inline Vec3 still_air(const Vec3& u, const Vec3& twice, Real density, Real most,
   return still_air(u, twice, density, most, share, taken);
 }
 
+// Of still air on one square metre across the flow, N: that of the wind with velocity 0, `most` kg/s at most.
+inline Vec3 still_air_on_area(const Vec3& u, Real density, Real most) {
+  return -std::min(Real(0.5) * density * length(u), most) * u;
+}
+
+// On a cylinder from one end of `along` to the other: the part of the flow across it alone makes the drag (Hoerner
+// 1965, 3-11), so that with c the cosine between flow and cylinder it is |F| A sqrt(1 - c^2) times the part of e across
+// it; what streams along it rubs at kSkin.
+inline Vec3 line_force(const Vec3& full, const Vec3& along, Real width, Real drag) {
+  const Real size = length(full), long_side = length(along);
+  if (!(size > 0) || !(long_side > 0)) return Vec3(0, 0, 0);
+  const Vec3 t = along / long_side, e = full / size;
+  const Real c = dot(e, t);
+  const Vec3 across = e - c * t;
+  return (size * long_side * width * drag) * (length(across) * across + kSkin * std::abs(c) * c * t);
+}
+
 }  // namespace feder

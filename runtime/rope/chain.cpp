@@ -5,17 +5,23 @@
 
 #include "base/trig.h"
 #include "feder/error.h"
+#include "rope/bend.h"
 
 namespace feder {
 namespace {
 
-constexpr int kMaxIterations = 20;
+constexpr int kMaxIterations = 40;
+constexpr int kFreeIterations = 5;         // in a row, with friction limits that follow the normal forces
+constexpr int kHalvings = 12;              // of a correction
 constexpr double kTolerance = 1e-6;        // of the segments' length: a smaller correction is the last
 constexpr double kContactStiffness = 100;  // times mass/h^2 of the rope's point
-constexpr double kPushSpeed = 1;           // m/s, at which penetration from before is undone
+constexpr double kHoopStiffness = 0.01;    // and of a segment: a rope round a post presses as it is stiff
 constexpr double kSlow = 0.7;              // of the last correction: after a larger one, less is taken
 constexpr double kLeastShare = 0.125;
-constexpr double kMostBending = 20;  // bound of the ratio of an angle to its sine
+constexpr double kDecrease = 1e-4;    // Armijo's share of what the slope promises
+constexpr double kRound = 1e-13;      // of the potential: less is rounding
+constexpr double kBuckling = 0.2;     // of mass/h^2: stiffness that compression may take across a segment
+constexpr double kLimitError = 1e-3;  // of a friction limit
 
 Block3 scaled_identity(double a) { return {{a, 0, 0, 0, a, 0, 0, 0, a}}; }
 
@@ -27,11 +33,6 @@ Block3 rank_one(double a, double b, const Double3& u, const Double3& v) {
 
 void add_to(Block3& to, double s, const Block3& a) {
   for (int k = 0; k < 9; ++k) to.m[k] += s * a.m[k];
-}
-
-Double3 times(const Block3& a, const Double3& x) {
-  return {a.m[0] * x.x + a.m[1] * x.y + a.m[2] * x.z, a.m[3] * x.x + a.m[4] * x.y + a.m[5] * x.z,
-          a.m[6] * x.x + a.m[7] * x.y + a.m[8] * x.z};
 }
 
 Block3 times(const Block3& a, const Block3& b) {
@@ -57,29 +58,12 @@ Block3 inverse_of(const Block3& a) {
            d * (m[0] * m[4] - m[1] * m[3])}};
 }
 
-Double3 direction_of(const Double3& e, double length) { return length > 0 ? (1 / length) * e : Double3{0, 1, 0}; }
-
-// A bend from direction a to b, both unit: what its energy k angle^2/2 pulls along b - a, per k.
-struct Bend {
-  Double3 change;  // b - a
-  double factor;   // angle/sin(angle)
-  double size;     // |b - a|
-};
-Bend bend_between(const Double3& a, const Double3& b) {
-  Bend k;
-  k.change = b - a;
-  k.size = length(k.change);
-  const double sine = length(cross(a, b)), cosine = dot(a, b);
-  const double angle = sine > 1e-6 || cosine < 0 ? arc_tangent2(sine, cosine) : sine;
-  k.factor = sine > 1e-6 ? std::fmin(angle / sine, kMostBending) : cosine < 0 ? kMostBending : 1;
-  return k;
-}
-
 }  // namespace
 
 void Chain::resize(std::uint32_t n) {
-  for (auto* list : {&start, &target, &guess, &end_, &residual_}) list->resize(n, Double3{0, 0, 0});
+  for (auto* list : {&start, &target, &guess, &end_, &residual_, &pull_, &trial_}) list->resize(n, Double3{0, 0, 0});
   for (auto* list : {&diagonal_, &upper_, &upper2_, &lower_, &lower2_}) list->resize(n);
+  bent_.resize(n, 0);
 }
 
 bool Chain::held(const ChainStep& s, std::uint32_t i) const { return !(s.mass[i] < double(kInfinity)); }
@@ -90,7 +74,10 @@ void Chain::add_segments(const ChainStep& s) {
     const double now = length(e), rest = s.rest_length[i], k = s.stretch / rest, rate = s.damping / s.h;
     const Double3 t = direction_of(e, now);
     const double force = k * (now - rest) + k * rate * (now - length(start[i + 1] - start[i]));
-    const double across = now > 0 ? std::fmax(force, 0) / now : 0;
+    const double least = -kBuckling * std::fmin(s.mass[i], s.mass[i + 1]) / (s.h * s.h);
+    const double across = now > 0 && (s.mass[i] < double(kInfinity) || s.mass[i + 1] < double(kInfinity))
+                              ? std::fmax(force / now, least)
+                              : 0;
     const Block3 slope = rank_one(across, k * (1 + rate) - across, t, t);
     residual_[i] = residual_[i] + force * t, residual_[i + 1] = residual_[i + 1] - force * t;
     add_to(diagonal_[i], 1, slope), add_to(diagonal_[i + 1], 1, slope);
@@ -106,11 +93,9 @@ void Chain::add_hinge(const ChainStep& s, std::uint32_t middle) {
   if (!(l[0] > 0 && l[1] > 0)) return;
   const Double3 a = (1 / l[0]) * e[0], b = (1 / l[1]) * e[1];
   const Bend now = bend_between(a, b);
-  const Double3 e0 = start[middle] - start[middle - 1], e1 = start[middle + 1] - start[middle];
-  const double before = length(direction_of(e1, length(e1)) - direction_of(e0, length(e0)));
   const double rate = s.damping / s.h;
-  const double k = now.factor * 2 * s.bend / (double(s.rest_length[middle - 1]) + double(s.rest_length[middle]));
-  const double share = now.size > 0 ? 1 + rate * (now.size - before) / now.size : 1;
+  const double k = now.factor * hinge_stiffness(s, middle);
+  const double share = now.angle > 0 ? 1 + rate * (now.angle - bent_[middle]) / now.angle : 1;
   // derivatives of the change of direction by the three points
   const Block3 pa = rank_one(1 / l[0], -1 / l[0], a, a), pb = rank_one(1 / l[1], -1 / l[1], b, b);
   Block3 middle_block = pa;
@@ -138,10 +123,9 @@ void Chain::add_clamp(const ChainStep& s, bool last) {
   if (!(l > 0)) return;
   const Double3 t = (1 / l) * e;
   const Bend now = bend_between(s.direction[last], t);
-  const Double3 e0 = start[i + 1] - start[i];
-  const double before = length(direction_of(e0, length(e0)) - s.direction[last]), rate = s.damping / s.h;
-  const double k = now.factor * 2 * s.bend / double(s.rest_length[i]);
-  const double share = now.size > 0 ? 1 + rate * (now.size - before) / now.size : 1;
+  const double rate = s.damping / s.h;
+  const double k = now.factor * clamp_stiffness(s, last);
+  const double share = now.angle > 0 ? 1 + rate * (now.angle - bent_[last ? s.count - 1 : 0]) / now.angle : 1;
   const Block3 p = rank_one(1 / l, -1 / l, t, t), square = times(p, p);
   const Double3 pull = times(p, (-k * share) * now.change);
   const double slope = k * (1 + rate);
@@ -157,46 +141,48 @@ void Chain::add_hinges(const ChainStep& s) {
 }
 
 // Force on the rope: along the normal that of the solver substep before less k times the gap, where that pushes, and
-// across that of before less k' times the slide, friction times the normal force at most. `finish`: writes it instead.
-void Chain::add_contact(const ChainStep& s, ChainContact& c, bool finish) {
-  const std::uint32_t i = c.first, j = c.weight[1] != 0 ? i + 1 : i;
-  FEDER_ASSERT(j < s.count);
+// across that of before less k' times the slide, at most friction times the normal force, or the limit where it is
+// held.
+bool Chain::press(const ChainStep& s, const ChainContact& c, const Array<Double3>& x, Press& out) const {
+  const std::uint32_t i = c.first;
+  FEDER_ASSERT((c.weight[1] != 0 ? i + 1 : i) < s.count);
   Double3 moved{0, 0, 0};
   double mass = double(kInfinity);
-  for (int k = 0; k < 2; ++k)
+  for (std::uint32_t k = 0; k < 2; ++k)
     if (c.weight[k] != 0) {
-      const std::uint32_t at = i + static_cast<std::uint32_t>(k);
-      moved = moved + c.weight[k] * (end_[at] - start[at]);
-      mass = std::fmin(mass, s.mass[at]);
+      moved = moved + c.weight[k] * (x[i + k] - start[i + k]);
+      mass = std::fmin(mass, s.mass[i + k]);
     }
-  if (!(mass < double(kInfinity))) return;
-  const double soft = s.h * s.h / (kContactStiffness * mass);
-  const double k[2] = {1 / (soft + c.compliance[0]), 1 / (soft + c.compliance[1])};
-  const double along = dot(c.normal, moved);
-  const double gap = c.gap + along + std::fmax(-c.start_gap - kPushSpeed * s.h, 0.0);
-  c.pressed = 0;
+  if (!(mass < double(kInfinity))) return false;
+  const double inertia = mass / (s.h * s.h), along = s.stretch / double(s.rest_length[std::min(i, s.count - 2)]);
+  out.k[0] = 1 / (1 / (kContactStiffness * inertia + kHoopStiffness * along) + c.compliance[0]);
+  out.k[1] = 1 / (1 / (kContactStiffness * inertia) + c.compliance[1]);
+  const double gap = c.gap + dot(c.normal, moved) + std::fmax(-c.start_gap - kPushSpeed * s.h, 0.0);
   const double before = dot(c.normal, c.force);
-  const double pressed = std::fmax(before, 0.0) - k[0] * gap;  // N
-  if (finish && !(pressed > 0)) c.force = {0, 0, 0};
-  if (!(pressed > 0)) return;
-  const Double3 relative = moved - c.shift;
-  const Double3 slide = relative - dot(c.normal, relative) * c.normal;
-  const Double3 wanted = c.force - before * c.normal - k[1] * slide;
-  const double holding = length(wanted), most = c.friction * pressed;
-  const bool slips = holding > most;
-  const Double3 rub = (slips ? most / holding : 1) * wanted, force = pressed * c.normal + rub;
-  if (finish) {
-    c.pressed = pressed, c.force = force;
-    return;
-  }
+  out.normal = std::fmax(std::fmax(before, 0.0) - out.k[0] * gap, 0.0);
+  const Double3 relative = moved - c.shift, slide = relative - dot(c.normal, relative) * c.normal;
+  out.wanted = c.force - before * c.normal - out.k[1] * slide;
+  out.holding = length(out.wanted);
+  out.most = hold_limits_ ? c.limit : c.friction * out.normal;
+  return true;
+}
+
+void Chain::add_contact(const ChainStep& s, const ChainContact& c) {
+  Press p;
+  if (!press(s, c, end_, p)) return;
+  const bool slips = p.holding > p.most;
+  const double turn = p.normal > 0 || p.most > 0 ? slips ? p.k[1] * p.most / p.holding : p.k[1] : 0;
+  const Double3 force = p.normal * c.normal + (slips ? p.most / p.holding : 1) * p.wanted;
+  if (!(p.normal > 0) && !(p.most > 0)) return;
   // slope: normal, and along the surface: of sticking k', of slipping friction k n^T along its force and the turn of it
-  const double turn = slips ? k[1] * most / holding : k[1];
-  Block3 slope = rank_one(turn, k[0] - turn, c.normal, c.normal);
+  const double along = p.normal > 0 ? p.k[0] : 0;
+  Block3 slope = rank_one(turn, along - turn, c.normal, c.normal);
   if (slips) {
-    const Double3 d = (1 / holding) * wanted;
+    const Double3 d = (1 / p.holding) * p.wanted;
     add_to(slope, 1, rank_one(0, -turn, d, d));
-    add_to(slope, 1, rank_one(0, c.friction * k[0], d, c.normal));
+    if (!hold_limits_) add_to(slope, 1, rank_one(0, c.friction * along, d, c.normal));
   }
+  const std::uint32_t i = c.first, j = c.weight[1] != 0 ? i + 1 : i;
   residual_[i] = residual_[i] + c.weight[0] * force;
   add_to(diagonal_[i], c.weight[0] * c.weight[0], slope);
   if (j == i) return;
@@ -206,8 +192,34 @@ void Chain::add_contact(const ChainStep& s, ChainContact& c, bool finish) {
   add_to(lower_[j], c.weight[0] * c.weight[1], slope);
 }
 
-// Block elimination along the chain; answers the largest correction, m. A larger one than `longest` is taken in part.
-double Chain::correct(const ChainStep& s, double longest) {
+void Chain::finish(const ChainStep& s, ChainContact& c) const {
+  Press p;
+  c.pressed = 0;
+  if (!press(s, c, end_, p) || !(p.normal > 0 || p.most > 0)) {
+    c.force = {0, 0, 0};
+    return;
+  }
+  c.pressed = p.normal;
+  c.force = p.normal * c.normal + (p.holding > p.most ? p.most / p.holding : 1) * p.wanted;
+}
+
+// Sets friction limits by the normal forces where the rope is now; false when those of before were such, and stay.
+bool Chain::renew_limits(const ChainStep& s, Array<ChainContact>& contacts) {
+  bool renew = !hold_limits_;
+  for (int pass = 0; pass < 2; ++pass) {
+    for (ChainContact& c : contacts) {
+      Press p;
+      const double limit = press(s, c, end_, p) ? c.friction * p.normal : 0;
+      renew = renew || std::fabs(limit - c.limit) > kLimitError * limit;
+      if (pass == 1) c.limit = limit;
+    }
+    if (!renew) return false;
+  }
+  return hold_limits_ = true;
+}
+
+// Block elimination along the chain: corrections in place of residuals; answers the largest, m.
+double Chain::eliminate(const ChainStep& s) {
   const std::uint32_t n = s.count;
   for (std::uint32_t i = 0; i < n; ++i) {
     const Block3 inverse = inverse_of(diagonal_[i]);
@@ -234,14 +246,54 @@ double Chain::correct(const ChainStep& s, double longest) {
     const double far = dot(residual_[i], residual_[i]);
     if (!(far <= most)) most = far;  // a NaN stays
   }
-  most = std::sqrt(most);
-  // near a kink, where a contact starts to press or to slip, full corrections may go round in a circle
+  return std::sqrt(most);
+}
+
+// Share of the correction that is taken while friction limits follow the normal forces: there is no potential then, and
+// near a kink, where a contact starts to press or to slip, full corrections may go round in a circle.
+double Chain::damped_share(double most) {
   const bool slow = most > (1 - share_ * (1 - kSlow)) * last_;
   if (slow) share_ = std::fmax(kSlow * share_, kLeastShare);
   last_ = most;
-  const double share = most > longest ? longest / most : share_;
-  for (std::uint32_t i = 0; i < n; ++i) end_[i] = end_[i] + share * residual_[i];
-  return most;
+  return share_;
+}
+
+// With limits that are held all forces have a potential, and the correction descends: as much of it as lessens that.
+double Chain::descending_share(const ChainStep& s, const Array<ChainContact>& contacts, const Array<ChainLoad>& loads,
+                               double share) {
+  double slope = 0;
+  for (std::uint32_t i = 0; i < s.count; ++i) slope += dot(pull_[i], residual_[i]);
+  const double now = potential(s, contacts, loads, end_);
+  for (int k = 0; k < kHalvings; ++k, share /= 2) {
+    for (std::uint32_t i = 0; i < s.count; ++i) trial_[i] = end_[i] + share * residual_[i];
+    const double there = potential(s, contacts, loads, trial_);
+    if (there <= now - kDecrease * share * slope + kRound * std::fabs(now)) break;
+  }
+  return share;
+}
+
+void Chain::assemble(const ChainStep& s, const Array<ChainContact>& contacts, const Array<ChainLoad>& loads) {
+  // inertia, then forces
+  for (std::uint32_t i = 0; i < s.count; ++i) {
+    const double inertia = held(s, i) ? 0 : s.mass[i] / (s.h * s.h);
+    diagonal_[i] = scaled_identity(inertia);
+    upper_[i] = upper2_[i] = lower_[i] = lower2_[i] = scaled_identity(0);
+    residual_[i] = inertia * (target[i] - end_[i]);
+  }
+  for (const ChainLoad& l : loads) {
+    const double rate = 1 / (s.h * s.h);
+    add_to(diagonal_[l.point], rate, l.mass);
+    residual_[l.point] = residual_[l.point] + rate * times(l.mass, start[l.point] + l.shift - end_[l.point]);
+  }
+  add_segments(s);
+  if (wide_) add_hinges(s);
+  for (const ChainContact& c : contacts) add_contact(s, c);
+  for (std::uint32_t i = 0; i < s.count; ++i) {
+    if (!held(s, i)) continue;
+    diagonal_[i] = scaled_identity(1);
+    upper_[i] = upper2_[i] = lower_[i] = lower2_[i] = scaled_identity(0);
+    residual_[i] = {0, 0, 0};
+  }
 }
 
 const Array<Double3>& Chain::solve(const ChainStep& s, Array<ChainContact>& contacts, const Array<ChainLoad>& loads) {
@@ -250,33 +302,29 @@ const Array<Double3>& Chain::solve(const ChainStep& s, Array<ChainContact>& cont
   double longest = 0;  // segment, m
   for (std::uint32_t i = 0; i + 1 < s.count; ++i) longest = std::fmax(longest, double(s.rest_length[i]));
   for (std::uint32_t i = 0; i < s.count; ++i) end_[i] = guess[i];
-  last_ = double(kInfinity), share_ = 1;
+  if (wide_) remember_bends(s);
+  last_ = double(kInfinity), share_ = 1, hold_limits_ = false;
+  int free = 0;
   for (iterations = 1;; ++iterations) {
-    // inertia, then forces
-    for (std::uint32_t i = 0; i < s.count; ++i) {
-      const double inertia = held(s, i) ? 0 : s.mass[i] / (s.h * s.h);
-      diagonal_[i] = scaled_identity(inertia);
-      upper_[i] = upper2_[i] = lower_[i] = lower2_[i] = scaled_identity(0);
-      residual_[i] = inertia * (target[i] - end_[i]);
-    }
-    for (const ChainLoad& l : loads) {
-      const double rate = 1 / (s.h * s.h);
-      add_to(diagonal_[l.point], rate, l.mass);
-      residual_[l.point] = residual_[l.point] + rate * times(l.mass, start[l.point] + l.shift - end_[l.point]);
-    }
-    add_segments(s);
-    if (wide_) add_hinges(s);
-    for (ChainContact& c : contacts) add_contact(s, c, false);
-    for (std::uint32_t i = 0; i < s.count; ++i) {
-      if (!held(s, i)) continue;
-      diagonal_[i] = scaled_identity(1);
-      upper_[i] = upper2_[i] = lower_[i] = lower2_[i] = scaled_identity(0);
-      residual_[i] = {0, 0, 0};
-    }
-    missed = correct(s, longest);
-    if (!(missed > kTolerance * longest) || iterations == kMaxIterations) break;
+    if (!hold_limits_ && free++ == kFreeIterations) renew_limits(s, contacts);
+    assemble(s, contacts, loads);
+    if (hold_limits_)
+      for (std::uint32_t i = 0; i < s.count; ++i) pull_[i] = residual_[i];
+    missed = eliminate(s);
+    double share = missed > longest ? longest / missed : 1;
+    if (missed <= kTolerance * longest)
+      share = 1;  // the last one here
+    else if (hold_limits_)
+      share = descending_share(s, contacts, loads, share);
+    else
+      share = std::fmin(share, damped_share(missed));
+    for (std::uint32_t i = 0; i < s.count; ++i) end_[i] = end_[i] + share * residual_[i];
+    if (iterations == kMaxIterations || !(missed < double(kInfinity))) break;
+    if (missed > kTolerance * longest) continue;
+    if (!hold_limits_ || !renew_limits(s, contacts)) break;
+    hold_limits_ = false, free = 0, last_ = double(kInfinity), share_ = 1;  // from here, full corrections may do
   }
-  for (ChainContact& c : contacts) add_contact(s, c, true);
+  for (ChainContact& c : contacts) finish(s, c);
   return end_;
 }
 

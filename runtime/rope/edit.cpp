@@ -17,25 +17,30 @@ double angle_between(const Vec3& a, const Vec3& b) {
   return arc_tangent2(length(cross(wide(a), wide(b))), dot(wide(a), wide(b)));
 }
 
-double bending_energy(const Line& l) {
+}  // namespace
+
+double Line::elastic_energy(const Array<Vec3>& x) const {
   double sum = 0;
-  const std::uint32_t n = l.size();
-  const auto segment = [&](std::uint32_t i) { return Vec3(l.position[i + 1] - l.position[i]); };
+  const std::uint32_t n = size();
+  for (std::uint32_t k = 0; k + 1 < n; ++k) {
+    const double rest_now = double(rest_length[k]), s = length(wide(x[k + 1]) - wide(x[k])) / rest_now - 1;
+    sum += 0.5 * double(settings.stretch) * rest_now * s * s;
+  }
+  if (!(settings.bend > 0)) return sum;
+  const auto segment = [&](std::uint32_t i) { return Vec3(x[i + 1] - x[i]); };
   for (std::uint32_t i = 1; i + 1 < n; ++i) {
     const double angle = angle_between(segment(i - 1), segment(i));
-    sum += double(l.settings.bend) / (double(l.rest_length[i - 1]) + double(l.rest_length[i])) * angle * angle;
+    sum += double(settings.bend) / (double(rest_length[i - 1]) + double(rest_length[i])) * angle * angle;
   }
   for (int k = 0; k < 2; ++k) {
-    if (!l.state.clamped[k]) continue;
+    if (!state.clamped[k]) continue;
     const std::uint32_t i = k ? n - 2 : 0;
     const double angle =
-        angle_between(segment(i), Vec3(l.state.direction[k][0], l.state.direction[k][1], l.state.direction[k][2]));
-    sum += double(l.settings.bend) / double(l.rest_length[i]) * angle * angle;
+        angle_between(segment(i), Vec3(state.direction[k][0], state.direction[k][1], state.direction[k][2]));
+    sum += double(settings.bend) / double(rest_length[i]) * angle * angle;
   }
   return sum;
 }
-
-}  // namespace
 
 std::uint32_t Rope::Impl::point(ObjectId id, std::size_t i) const {
   const std::uint32_t size = line(id).size();
@@ -193,11 +198,7 @@ Energy Rope::energy(const Vec3& gravity) const {
       e.kinetic += 0.5 * m * double(dot(l->velocity[i], l->velocity[i]));
       e.potential -= m * double(l->settings.gravity_scale) * double(dot(gravity, l->position[i]));
     }
-    for (std::size_t k = 0; k < l->rest_length.size(); ++k) {
-      const double s = strain(l->object, k);
-      e.elastic += 0.5 * double(l->settings.stretch) * double(l->rest_length[k]) * s * s;
-    }
-    if (l->settings.bend > 0) e.elastic += bending_energy(*l);
+    e.elastic += l->elastic_energy(l->position);
     impl_->each_force(*l, [&](const ForceEntry& f) {
       for (std::uint32_t i = 0; i < l->size(); ++i) {
         const MassPoint point = impl_->mass_point(*l, i);
@@ -220,15 +221,17 @@ Momentum Rope::momentum() const {
 }
 
 void Rope::residuals(std::vector<Residual>& out) const {
-  double strain = 0, frozen = 0, sleeping = 0, steps = 1;
+  double strain = 0, frozen = 0, sleeping = 0, steps = 1, missed = 0;
   for (const auto& l : impl_->lines) {
     strain = std::max(strain, double(max_strain(l->object)));
     frozen += l->state.frozen != 0, sleeping += l->state.asleep != 0;
     steps = std::max(steps, double(l->state.substeps));
+    if (l->active()) missed = std::max(missed, l->missed);
   }
   out.push_back({"rope.max_strain", strain});
   out.push_back({"rope.substeps", steps});
   out.push_back({"rope.solves", static_cast<double>(impl_->solves)});
+  out.push_back({"rope.missed", missed});
   out.push_back({"rope.sleeping", sleeping});
   out.push_back({"rope.quarantined", frozen});
 }

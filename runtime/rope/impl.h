@@ -13,6 +13,7 @@
 #include "state/command_log.h"
 #include "state/surface.h"
 #include "state/surface_links.h"
+#include "step/watch.h"
 
 namespace feder {
 
@@ -20,7 +21,7 @@ namespace feder {
 struct RopeSettings {
   Real radius = 0, density = 0, stretch = 0, bend = 0;  // m, kg/m^3, N, N m^2
   Real damping = 0;                                     // s
-  Real friction = 0, gravity_scale = 1;
+  Real drag = 0, friction = 0, gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;
   std::uint32_t self_collision = 1;
   std::int32_t substeps = 0;
@@ -39,6 +40,9 @@ struct RopeState {
   std::uint32_t clamped[2] = {0, 0};
   Real direction[2][3] = {};  // of the clamped ends' segments, unit
 };
+
+// Of a rope whose energy jumped.
+inline constexpr const char* kRopeCure = "take more substeps or weaker forces";
 
 struct Line {
   explicit Line(Arena& a) : arena(a) {}
@@ -66,6 +70,8 @@ struct Line {
   bool any_pin = false, touched = false, linked = false;  // linked: held to something
   Vec3 gained_momentum = Vec3::Zero();                    // kg m^2/s: error of angular momentum in this substep
   double missed = 0;                                      // m
+  Array<Vec3> began{&arena};                              // m: where the step began, for the watchdog
+  double kinetic_before = 0;                              // J, then
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(position.size()); }
   bool active() const { return !state.frozen && !state.asleep; }
@@ -73,7 +79,9 @@ struct Line {
   void set_flight(const Vec3& a) {
     for (int k = 0; k < 3; ++k) state.flight[k] = a[k];
   }
-  void derive();  // what follows from the rest
+  void derive();                                      // what follows from the rest
+  double elastic_energy(const Array<Vec3>& x) const;  // of stretch and bending, J, with its points there
+  double kinetic_energy() const;                      // J
   // Calls f(member) for what snapshots hold.
   template <class L, class F>
   static void each_saved(L& l, F&& f) {
@@ -90,7 +98,9 @@ struct Rope::Impl {
   Objects& objects;
   CommandLog& commands;
   Events& events;
+  Watch& watched;
   bool* structure_changed;
+  const Real air_density;  // kg/m^3, of still air
   Surfaces& surfaces;
   std::vector<std::unique_ptr<Line>> lines;  // by object index
   std::size_t force_count = 0;               // forces known when the passes were made
@@ -129,6 +139,7 @@ struct Rope::Impl {
 
   int wanted_substeps(const Line& l, const StepContext& c, Real fastest) const;
   void add_forces(Line& l, StepContext& c);
+  void add_air(const Line& l, Real h, bool blown, double time);
   void advance_line(Line& l, SurfaceGroup& g, StepContext& c);
   Vec3 body_velocity(std::uint32_t solver_index, const StepContext& c) const;
   void list_contacts(Line& l, SurfaceGroup& g, const StepContext& c);
@@ -137,6 +148,10 @@ struct Rope::Impl {
   void hand_over_loads(Line& l, SurfaceGroup& g);
   void remove_gained_momentum(Line& l);
   void update_sleep(Line& l, StepContext& c);
+  // watch.cpp
+  double work(const Line& l, const StepContext& c) const;
+  double given(const Line& l, const StepContext& c) const;
+  void watch(const Line& l, const StepContext& c);
 
   SurfaceGroup& group(const StepContext& c) const { return *surfaces.groups[static_cast<std::size_t>(c.inner.group)]; }
   template <class F>

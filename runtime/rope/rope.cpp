@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "forces/area.h"
 #include "rope/impl.h"
 
 namespace feder {
@@ -32,6 +33,7 @@ void check_rope(const RopeDesc& d, const std::string& owner) {
   need(positive(d.stretch), owner, "stretch", "a number above 0", double(d.stretch));
   need(not_negative(d.bend), owner, "bend", "a finite number, 0 or more", double(d.bend));
   need(not_negative(d.damping), owner, "damping", "a finite number, 0 or more", double(d.damping));
+  need(not_negative(d.drag), owner, "drag", "a finite number, 0 or more", double(d.drag));
   need(not_negative(d.friction), owner, "friction", "a finite number, 0 or more", double(d.friction));
   need(is_finite(d.gravity_scale), owner, "gravity_scale", "a finite number", double(d.gravity_scale));
   need(d.substeps >= 0 && d.substeps <= 1000, owner, "substeps", "a whole number from 0 to 1000", d.substeps);
@@ -43,7 +45,8 @@ void check_rope(const RopeDesc& d, const std::string& owner) {
 
 Rope::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), store(s.store), objects(s.objects), commands(s.commands), events(s.events),
-      structure_changed(s.structure_changed), surfaces(s.store.need<Surfaces>("contact")) {}
+      watched(s.store.need<Watch>("watch")), structure_changed(s.structure_changed),
+      air_density(still_air_density(s.world)), surfaces(s.store.need<Surfaces>("contact")) {}
 
 const SystemDescriptor& Rope::descriptor() {
   static const char* const needs[] = {"contact"};
@@ -105,8 +108,8 @@ ObjectId Rope::add_rope(const RopeDesc& desc) {
   Impl& m = *impl_;
   const auto n = static_cast<std::uint32_t>(desc.points.size());
   auto l = std::make_unique<Line>(m.arena);
-  l->settings = {desc.radius,        desc.density, desc.stretch, desc.bend,           desc.damping, desc.friction,
-                 desc.gravity_scale, desc.group,   desc.mask,    desc.self_collision, desc.substeps};
+  l->settings = {desc.radius,   desc.density,       desc.stretch, desc.bend, desc.damping,        desc.drag,
+                 desc.friction, desc.gravity_scale, desc.group,   desc.mask, desc.self_collision, desc.substeps};
   l->position.assign(desc.points.begin(), desc.points.end());
   l->velocity.assign(n, desc.velocity);
   l->script_force.assign(n, Vec3::Zero());

@@ -40,6 +40,7 @@ void Rope::Impl::show(StepContext& c) {
   for (auto& p : lines) {
     Line& l = *p;
     l.bad_point = kNone, l.touched = false, l.missed = 0;
+    l.kinetic_before = l.kinetic_energy(), l.began = l.position;
     Surface s;
     s.object = l.object;
     s.first = surfaces.claim(l.size()), s.count = s.total = l.size();
@@ -80,27 +81,6 @@ void Rope::Impl::gather(StepContext&) {
     for (std::uint32_t i = 0; i < s.count; ++i)
       if (l->inv_mass[i] != 0) surfaces.velocity[s.first + i].set(l->velocity[i] - lead);
   }
-}
-
-void Rope::Impl::add_forces(Line& l, StepContext& c) {
-  const Surface& s = surfaces.list[l.surface];
-  const double time = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
-  const Vec3 g = c.gravity * l.settings.gravity_scale;
-  forces.assign(l.script_force.begin(), l.script_force.end());
-  points.clear();
-  each_force(l, [&](const ForceEntry& f) {
-    if (f.force->on_area()) return;
-    if (points.empty())
-      for (std::uint32_t i = 0; i < l.size(); ++i) {
-        MassPoint p = mass_point(l, i);
-        p.position = surfaces.position[s.first + i] + surfaces.delta_position[s.first + i].vec();
-        p.velocity = surfaces.velocity[s.first + i].vec();
-        p.most_drag = store.get<Forces>().drag_share() * l.mass[i] / c.h;
-        points.push_back(p);
-      }
-    f.force->add(points.data(), l.size(), time, forces.data());
-  });
-  for (std::uint32_t i = 0; i < l.size(); ++i) l.acceleration[i] = g + forces[i] * l.inv_mass[i];
 }
 
 void Rope::Impl::remember_bodies(StepContext&) {
@@ -369,6 +349,7 @@ void Rope::Impl::commit(StepContext& c) {
       message += (message.empty() ? "" : "; ") + objects.describe(l.object) + " point " +
                  std::to_string(l.bad_point + 1) + " went non-finite: the rope is held where it was";
       if (!bad) bad = l.object;
+      watched.suspects.push_back({kName, l.object, l.kinetic_before, NAN, 0, 0, false, kRopeCure});
       continue;
     }
     for (std::uint32_t i = 0; i < l.size(); ++i) {
@@ -377,6 +358,7 @@ void Rope::Impl::commit(StepContext& c) {
       l.velocity[i] = surfaces.velocity[s.first + i].vec() + lead;
     }
     l.set_flight(flight);
+    watch(l, c);
     const double shortest = double(*std::min_element(l.rest_length.begin(), l.rest_length.end()));
     if (l.missed > kMissed * shortest && !l.state.warned) {
       l.state.warned = 1;
@@ -408,7 +390,7 @@ void Rope::Impl::put_to_sleep(Line& l) {
   events.add_pending({.kind = EventKind::sleep, .a = l.object, .b = {}});
 }
 
-// Asleep when the mean kinetic energy per mass stays below that of kSleepSpeed for kSleepTime.
+// Asleep when the mean kinetic energy per mass stays below that of kSleepSpeed for kSleepTime, under steady forces.
 void Rope::Impl::update_sleep(Line& l, StepContext& c) {
   if (!c.sleeping) return;
   const Surface& s = surfaces.list[l.surface];
@@ -420,7 +402,9 @@ void Rope::Impl::update_sleep(Line& l, StepContext& c) {
   energy = Real(0.5) * energy / l.total_mass;
   const Real cap = kSleepSpeed * kSleepSpeed * 25, keep = 1 / (1 + c.dt / kMemory);
   l.state.sleep_energy = std::min(energy + (std::min(l.state.sleep_energy, cap) - energy) * keep, cap);
-  if (l.state.sleep_energy > Real(0.5) * kSleepSpeed * kSleepSpeed) {
+  bool steady = true;  // generators on areas may gust
+  each_force(l, [&](const ForceEntry& f) { steady = steady && !f.force->on_area(); });
+  if (!steady || l.state.sleep_energy > Real(0.5) * kSleepSpeed * kSleepSpeed) {
     l.state.sleep_steps = 0;
     return;
   }

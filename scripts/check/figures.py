@@ -36,7 +36,7 @@ FLUIDS = (("hydrostatic", "pressure rho g (H - z)"), ("dam_break", "Martin & Moy
           ("honey_fold", "folds of a thin sheet"))
 # problem, substeps, reference
 CLOTHS = (("hanging_sheet", 16, "closed form"), ("catenary", 16, "closed form"), ("cantilever", 32, "elastica"),
-          ("drape", 8, "self-refined run"), ("drum", 4, "modes of a membrane"))
+          ("drape", 8, "self-refined run"), ("drum", 4, "modes of a membrane"), ("balloon", 8, "Laplace's law"))
 # of rivals.csv and rivals_by_hand.csv, in README.md: what is faster and what is slower, one of each kind
 TELLING = (("large_pyramid", "box3d"), ("large_pyramid", "jolt"), ("large_pyramid", "bullet"),
            ("convex_vs_mesh", "jolt"), ("heavy_chains", "box3d"), ("cloth links", "Jolt"), ("pbf", "SPlisHSPlasH"))

@@ -3,7 +3,7 @@
 local feder = require "feder"
 local build = require "feder.build"
 
-local kinds = { "rigid", "net", "cloth", "fluid" }
+local kinds = { "rigid", "net", "cloth", "rope", "fluid" }
 local below = feder.param("below", "rigid", { choices = kinds })
 local above = feder.param("above", "rigid", { choices = kinds })
 local cloth = feder.param("cloth", "xpbd", { choices = { "xpbd", "mass_spring", "vbd", "implicit" } })
@@ -34,6 +34,13 @@ end
 function make.cloth(world, name, y, held)
   world:cloth { name = name, size = { 1.2, 1.2 }, resolution = { 9, 9 }, position = { 0, y, 0 }, solver = cloth,
     stretch = 300, pins = held and { 1, 9, 73, 81 } or nil }
+end
+
+function make.rope(world, name, y, held)
+  world:rope { name = name, from = { -0.6, y, 0.1 }, to = { 0.6, y, -0.05 }, radius = 0.03, density = 300, stretch = 2000,
+    pins = held and { "first", "last" } or nil }
+  world:rope { name = name .. " stiff", from = { -0.1, y, -0.6 }, to = { 0.15, y, 0.6 }, radius = 0.03, density = 300,
+    bend = 0.2, pins = held and "first_clamped" or nil }
 end
 
 function make.fluid(world, name, y)

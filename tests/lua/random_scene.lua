@@ -79,6 +79,22 @@ for _ = 1, whole(4, 16) do
   local f = made[whole(1, #made)]
   if not ((f == fluid and #fluids > 0) or (f == cloth and #cloths > 1)) then f() end
 end
+if seed % 2 == 0 then  -- ropes, and no draw more: seeds keep their course
+  local before = state
+  for k = 1, whole(1, 2) do
+    local at = place(1)
+    local rope = world:rope { name = "rope" .. k, from = at, to = { at[1] + range(-1, 1), range(0.2, 3), at[3] + range(0.1, 1) },
+      segments = whole(2, 20), radius = range(0.005, 0.03), stretch = 10 ^ range(2, 5), bend = chance(0.5) and 10 ^ range(-4, -1) or nil,
+      pins = chance(0.3) and "last_clamped" or nil }
+    local body = bodies[whole(1, math.max(#bodies, 1))]
+    if body and chance(0.5) then rope:attach(1, body, 0, 0, 0) end
+    if cloths[1] and chance(0.5) then rope:attach(2, cloths[1]) end
+    if chance(0.3) then rope:pin((rope:count())) end
+    world:after(range(0.2, 1.5), function() rope:set_point(1, range(-1, 1), range(0.2, 3), range(-1, 1)) end)
+    world:after(range(0.2, 1.5), function() rope:set_velocity(2, range(-9, 9), range(-9, 9), 0) end)
+  end
+  state = before
+end
 local function pick(list) return list[whole(1, math.max(#list, 1))] end
 local edits = {
   function() local b = pick(bodies) if b then b:set_position(range(-1, 1), range(0.2, 3), range(-1, 1)) end end,

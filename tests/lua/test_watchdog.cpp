@@ -69,6 +69,9 @@ const Plant kPlants[] = {
      "local w = feder.world { substeps = 1 } watch(w) local c = w:cloth { name = 'springy', size = {1,1}, "
      "solver = 'mass_spring', resolution = {8,8}, position = {0,2,0} } "
      "w:force { kind = 'spring', on = c, stiffness = 1e5 } w:step(20)"},
+    {"line",
+     "local w = feder.world { substeps = 1 } watch(w) local r = w:rope { name = 'line', from = {0,2,0}, to = {1,2,0} } "
+     "w:force { kind = 'spring', on = r, stiffness = 1e5 } w:step(20)"},
     {"drop",
      "local w = feder.world {} watch(w) local f = w:fluid { name = 'drop', solver = 'pbf', spacing = .1, "
      "surface_tension = 1e5, max_substeps = 1 } "
@@ -117,6 +120,16 @@ TEST_CASE("the watchdog bears what scripts do", "[watchdog]") {
       "local n = w:net { points = {{0,0,0},{1,0,0},{2,0,0}}, masses = 1, springs = {{1,2},{2,3}}, stiffness = 500 } "
       "n:pin(1) "
       "w:step(5) n:set_point(1, 5, 5, 5) w:step(60)",
+      // ends of a rope carried away: what is pinned, what hangs from a body, what lies within one
+      "local r = w:rope { from = {0,0,0}, to = {1,0,0}, pins = 'first' } w:step(5) r:set_point(1, 5, 5, 5) w:step(30)",
+      "local r = w:rope { from = {0,0,0}, to = {1,0,0} } local b = w:body { shape = feder.sphere(.1), position = "
+      "{0,0,0} } "
+      "r:attach(1, b) w:step(5) b:set_position(0, 1, 0) w:step(30)",
+      "local r = w:rope { from = {0,0,0}, to = {1,0,0} } w:body { type = 'static', shape = feder.box(.6, .6, .6) } "
+      "w:step(30)",
+      "local r = w:rope { from = {0,0,0}, to = {1,0,0}, bend = .1, pins = 'first' } w:step(5) r:set_velocity(21, 0, "
+      "300, 0) "
+      "w:step(30)",
       // water poured into water, thrown
       "local f = w:fluid { spacing = .1, max_particles = 5000 } f:fill { box = {{0,0,0},{.6,.6,.6}} } w:step(3) "
       "f:fill { box = {{0,0,0},{.6,.6,.6}} } w:step(10) f:emitter { position = {0,3,0}, direction = {0,-1,0}, speed = "

@@ -14,6 +14,13 @@ namespace feder::test {
 
 inline double number(Real x) { return static_cast<double>(x); }
 
+inline WorldDesc vacuum(const Vec3& gravity = Vec3(0, Real(-9.81), 0)) {
+  WorldDesc d;
+  d.gravity = gravity;
+  d.options.set("air_density", 0.0);
+  return d;
+}
+
 // `segments` equal ones from a to b.
 inline RopeDesc straight_rope(const Vec3& a, const Vec3& b, int segments) {
   RopeDesc d;

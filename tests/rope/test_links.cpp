@@ -25,9 +25,7 @@ NetDesc net_between(const Vec3& a, const Vec3& b) {
 }  // namespace
 
 TEST_CASE("a rope, a cloth and a net that are held to each other keep their momentum", "[rope][links]") {
-  WorldDesc desc;
-  desc.gravity = Vec3(0, 0, 0);
-  World w(desc, catalog());
+  World w(vacuum(Vec3(0, 0, 0)), catalog());
   Rope& rope = w.need<Rope>();
   const ObjectId line = rope.add_rope(straight_rope(vec3(-1, 0, 0), vec3(0, 0, 0), 10));
   ClothDesc sheet;

@@ -38,6 +38,7 @@ TEST_CASE("ropes that cannot be are errors that say what was expected", "[rope]"
   refused([](RopeDesc& d) { d.density = -1; });
   refused([](RopeDesc& d) { d.stretch = NAN; });
   refused([](RopeDesc& d) { d.bend = -1; });
+  refused([](RopeDesc& d) { d.drag = NAN; });
   refused([](RopeDesc& d) { d.pins = {5}; });
   CHECK(rope.rope_count() == 0);
   CHECK(w.objects().count(kRopeKind) == 0);
@@ -98,9 +99,7 @@ TEST_CASE("a rope comes to rest on a box and the ground and sleeps", "[rope]") {
 }
 
 TEST_CASE("a ball thrown against a hung rope hands on its momentum", "[rope]") {
-  WorldDesc desc;
-  desc.gravity = Vec3(0, 0, 0);
-  World w(desc, catalog());
+  World w(vacuum(Vec3(0, 0, 0)), catalog());
   Rope& rope = w.need<Rope>();
   const ObjectId id = rope.add_rope(straight_rope(vec3(0, Real(-0.5), 0), vec3(0, Real(0.5), 0), 20));
   BodyDesc ball;

@@ -25,6 +25,8 @@ struct RopeDesc {
   Real stretch = 50000;          // N
   Real bend = 0;                 // N m^2
   Real damping = Real(0.002);    // s: stress of strain rate over stiffness; never acts on rigid motion
+  // coefficient of what air and wind do across it, for its diameter; that of a cylinder. 0: nothing
+  Real drag = Real(1.2);
   Real friction = Real(0.4);
   bool self_collision = true;
   Real gravity_scale = 1;
@@ -37,7 +39,8 @@ struct RopeDesc {
   template <class D, class F>
   static void each_field(D& d, F&& f) {
     f(d.name), f(d.tags), f(d.points), f(d.velocity), f(d.radius), f(d.density), f(d.stretch), f(d.bend);
-    f(d.damping), f(d.friction), f(d.self_collision), f(d.gravity_scale), f(d.group), f(d.mask), f(d.substeps);
+    f(d.damping), f(d.drag), f(d.friction), f(d.self_collision), f(d.gravity_scale), f(d.group), f(d.mask),
+        f(d.substeps);
     f(d.pins), f(d.clamp_first), f(d.clamp_last);
   }
 };
@@ -56,7 +59,8 @@ class Rope final : public System {
   void load(Reader& r) override;
   Energy energy(const Vec3& gravity) const override;
   Momentum momentum() const override;
-  void residuals(std::vector<Residual>& out) const override;  // rope.max_strain, .solves, .sleeping, .quarantined
+  double held(const StepContext& c) override;
+  void residuals(std::vector<Residual>& out) const override;  // rope.max_strain, .solves, .missed (m), .sleeping ...
   bool finite() const override;
   void validate() const override;
 
