@@ -123,7 +123,7 @@ struct Sheet {
   Array<std::uint32_t> edited;
   Real mass = 0;                        // kg
   Vec3 gained_momentum = Vec3::Zero();  // kg m^2/s, angular momentum error of its solver in this substep
-  Real lacking = 1;  // solver substeps that it would need in this step, by its cap
+  Real lacking = 1;                     // solver substeps that it would need in this step, by its cap
   bool any_pin = false;
   bool framed = false;        // its pins are farther apart than the cloth is at rest
   bool beside_body = false;   // bodies may touch it in this step

@@ -67,11 +67,11 @@ class ClothSolver {
   virtual std::string shortfall() const { return ""; }
   // Asserts that its elements are those of this cloth's mesh, unless the mesh is newer than they are.
   virtual void validate(const ClothView&) const {}
-  virtual Real relaxation() const { return 1; }       // of contact corrections
-  virtual bool sheds_strain() const { return true; }  // the stretch law of step.cpp applies
-  virtual bool converges() const { return false; }    // the law for loads alone does: it carries its own weight
+  virtual Real relaxation() const { return 1; }         // of contact corrections
+  virtual bool sheds_strain() const { return true; }    // the stretch law of step.cpp applies
+  virtual bool converges() const { return false; }      // the law for loads alone does: it carries its own weight
   virtual bool carries_bodies() const { return true; }  // what hangs from a vertex counts as mass of it, see ties.cpp
-  virtual double least_cap() const { return 1; }      // solver substeps that `max_substeps` cannot forbid
+  virtual double least_cap() const { return 1; }        // solver substeps that `max_substeps` cannot forbid
   virtual double substeps_beyond(double cap) const {
     return cap;
   }  // solver substeps it takes where it wants more than the cap

@@ -213,7 +213,8 @@ void Cloth::Impl::carry_bodies(Sheet& s, const SurfaceGroup& g, ClothView& v) {
     hauled.push_back({n, 1 / (inv_mass * share), Vec3::Zero()});
   }
   if (hauled.empty()) return;
-  carried_momentum = momentum_of(s, [&](std::uint32_t i) { return Vec3(velocity[i].vec() + g.step * acceleration[i]); });
+  carried_momentum =
+      momentum_of(s, [&](std::uint32_t i) { return Vec3(velocity[i].vec() + g.step * acceleration[i]); });
   carried_afloat = std::all_of(delta_position.begin() + s.first, delta_position.begin() + s.first + s.points,
                                [](const Row4& x) { return x.w != 0; });
   carried_mass.assign(vertices.mass.begin() + s.first, vertices.mass.begin() + s.first + s.total);
