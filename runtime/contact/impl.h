@@ -207,6 +207,7 @@ struct SurfaceContact::Impl {
   };
   std::vector<KeptImage> kept_images;  // of a snapshot, until the next step
   KeptOf kept_of(std::uint32_t group) const;
+  bool sound(const KeptImage& image, const KeptOf& now) const;
   void check_kept();
   bool slow(const SurfaceGroup& g, const NearSearch& near, Real part) const;
   void choose_rest(const Surface& s, NearSearch& near, std::uint32_t k, bool again, Real part);

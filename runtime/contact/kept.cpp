@@ -27,10 +27,23 @@ constexpr Real kUsed = Real(0.75);      // of a skin, beyond which it is renewed
 constexpr Real kFolded = 1;             // candidates by points, from which a search is kept
 constexpr Real kUnfolded = Real(0.1);   // rows by points, below which it is so no longer
 constexpr Real kMany = Real(0.6);       // of the blocks, beyond which all are searched
-
-// What a snapshot may hold, whoever wrote it.
-bool sound(const Row4& rest) { return is_finite(rest.vec()) && rest.w >= 0 && rest.w < kInfinity; }
+constexpr Real kMeanSkin = 8;           // thicknesses: more than that no search of slow points keeps
 }  // namespace
+
+// Whether what a snapshot holds, whoever wrote it, may stand for a search of the points as they are: places near them
+// and skins that leave few candidates. What any such places and skins lead to is right.
+bool SurfaceContact::Impl::sound(const KeptImage& image, const KeptOf& now) const {
+  if (!(image.of == now) || image.rest.size() != now.count) return false;
+  const Real thickness = list[now.surface].thickness;
+  Real sum = 0;
+  for (std::uint32_t k = 0; k < now.count; ++k) {
+    const Row4& rest = image.rest[k];
+    if (!(rest.w >= 0) || !(length(Vec3(position[now.first + k] - rest.vec())) <= rest.w + kWidest * thickness))
+      return false;
+    sum += rest.w;
+  }
+  return sum <= kMeanSkin * thickness * static_cast<Real>(now.count);
+}
 
 KeptOf SurfaceContact::Impl::kept_of(std::uint32_t group) const {
   const SurfaceGroup& g = *surfaces.groups[group];
@@ -50,7 +63,7 @@ void SurfaceContact::Impl::check_kept() {
     const KeptOf now = kept_of(k);
     if (near.kept && !(near.kept_of == now)) near.drop();
     for (const KeptImage& image : kept_images) {
-      if (!(image.of == now) || image.rest.size() != now.count || !std::ranges::all_of(image.rest, sound)) continue;
+      if (!sound(image, now)) continue;
       near.drop();
       near.kept = true, near.kept_of = now, near.rest = image.rest, near.rows = image.rows;
     }

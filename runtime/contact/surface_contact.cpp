@@ -160,7 +160,7 @@ void SurfaceContact::hash(Hash& h) const {
 void SurfaceContact::save(Writer& w) const {
   const SurfaceLinks* links = impl_->store.find<SurfaceLinks>();
   const bool any = links && !links->list.empty();
-  w.add(any);
+  w.add(static_cast<std::uint8_t>(any));
   if (any) w.list(links->list);
   impl_->save_kept(w);
 }
@@ -168,7 +168,7 @@ void SurfaceContact::save(Writer& w) const {
 void SurfaceContact::load(Reader& r) {
   SurfaceLinks* links = impl_->store.find<SurfaceLinks>();
   if (links) links->list.clear();
-  if (r.get<bool>()) r.list(impl_->store.need<SurfaceLinks>(kName).list);
+  if (r.get<std::uint8_t>() != 0) r.list(impl_->store.need<SurfaceLinks>(kName).list);
   impl_->load_kept(r);
   *impl_->structure_changed = true;
   impl_->surfaces.forget();
