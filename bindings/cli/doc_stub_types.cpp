@@ -110,6 +110,7 @@ const std::string* stub_type_of_argument(const std::string& title, const std::st
       {"fluid:set_velocities(fn)", "fun(x: number, y: number, z: number, i: integer): number, number, number"},
       {"net:attach(body)", "feder.AnyObject"},
       {"rope:attach(body)", "feder.AnyObject"},
+      {"soft:attach(body)", "feder.AnyObject"},
       {"world:after(fn)", "fun()"},
       {"world:every(fn)", "fun()"},
       {"world:task(fn)", "fun()"},
