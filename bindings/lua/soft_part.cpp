@@ -76,7 +76,12 @@ const Method kWorld[] = {
     {"soft", method<world_soft>, "world:soft{ points =, tetrahedra = | shape =, resolution =, ... } -> soft",
      "a volume that bends, squeezes and wobbles", soft_rows},
 };
-const YamlList kYaml[] = {{"soft_bodies", [](lua_State* L, int world) { make_object(L, world, "soft"); }, "soft"}};
+void yaml_soft(lua_State* L, int world) {
+  make_shape_field(L, lua_gettop(L));
+  make_object(L, world, "soft");
+}
+
+const YamlList kYaml[] = {{"soft_bodies", yaml_soft, "soft"}};
 
 }  // namespace
 
