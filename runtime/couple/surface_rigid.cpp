@@ -20,6 +20,7 @@ constexpr Real kAside = Real(0.3);    // of its displacement in a step: a fast b
 constexpr Real kSupport = Real(0.3);  // least cosine to gravity of a contact that carries
 constexpr Real kStill = Real(0.01);   // m/s: a body that moves faster wakes what is attached to it
 constexpr Real kInside = Real(0.1);   // thicknesses: pins less deep inside a shape lie on its surface
+constexpr Real kWayOut = 2;           // depths: a rope leaves what holds it at 30 degrees to the surface, or steeper
 
 }  // namespace
 
@@ -94,6 +95,30 @@ bool SurfaceRigid::anchored(std::uint32_t point, ObjectId body) const {
   for (const Surfaces::Anchor& a : surfaces_.anchors)
     if (a.point == point && a.body == body) return true;
   return false;
+}
+
+// Marks points of a rope that cannot be, or hardly, where contact with the collider wants them: along the rope from
+// where it is held to the body, inside the shape or beside it, as far as twice the depth there.
+void SurfaceRigid::leave_alone(const Surface& s, std::uint32_t k) {
+  left_alone_.assign(s.count, 0);
+  const Real radius = Real(0.5) * s.thickness;
+  const bool pins = s.active && colliders_.motion[k] != ColliderMotion::dynamic;
+  for (std::uint32_t i = 0; i < s.count; ++i) {
+    const std::uint32_t held = s.first + i;
+    const bool attached = anchored(held, colliders_.object[k]);
+    if (attached) left_alone_[i] = 1;
+    if (!attached && !(pins && surfaces_.delta_position[held].w == 0)) continue;
+    Vec3 normal;
+    const Vec3 x = to_local(colliders_.pose[k], surfaces_.position[held]);
+    const Real way_out = kWayOut * (radius - colliders_.shape[k]->distance(x, radius, normal));
+    const auto along = [&](std::uint32_t from, std::uint32_t to) {
+      return length(Vec3(surfaces_.position[s.first + to] - surfaces_.position[s.first + from]));
+    };
+    Real far = 0;
+    for (std::uint32_t j = i + 1; j < s.count && (far += along(j - 1, j)) < way_out; ++j) left_alone_[j] = 1;
+    far = 0;
+    for (std::uint32_t j = i; j-- > 0 && (far += along(j + 1, j)) < way_out;) left_alone_[j] = 1;
+  }
 }
 
 // Wakes a surface: it is fixed in this step and moves from the next.
@@ -203,18 +228,21 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
     smallest_[k] = shape.convex() ? half.minCoeff() : Real(0);
     FEDER_ASSERT(!(smallest_[k] < 0));
     const ObjectId body = colliders_.object[k];
+    const bool rope = !s.balls && s.triangles.empty();
+    if (rope) leave_alone(s, k);
     if (!s.balls) {
       if (s.active && colliders_.motion[k] != ColliderMotion::dynamic) warn_of_pins(s, k, c);
       for (std::uint32_t i = s.first; i < s.first + s.count; ++i)
-        if (overlaps(box_[i], box) && !anchored(i, body)) candidates_.push_back({n, k, i, 1});
+        if (overlaps(box_[i], box) && !(rope ? left_alone_[i - s.first] != 0 : anchored(i, body)))
+          candidates_.push_back({n, k, i, 1});
     }
     // triangles and segments: not against planes, which corners alone can be in contact with
     if (!s.active || !is_finite(shape.extent(Vec3(0, 0, 0)))) continue;
     const std::uint32_t* ends = s.edges.ends;
-    for (std::uint32_t e = 0; !s.balls && s.triangles.empty() && e < s.edges.count; ++e, ends += s.edges.stride) {
+    for (std::uint32_t e = 0; rope && e < s.edges.count; ++e, ends += s.edges.stride) {
       Aabb b = box_[s.first + ends[0]];
       b.include(box_[s.first + ends[1]]);
-      if (!overlaps(b, box) || anchored(s.first + ends[0], body) || anchored(s.first + ends[1], body)) continue;
+      if (!overlaps(b, box) || left_alone_[ends[0]] || left_alone_[ends[1]]) continue;
       candidates_.push_back({n, k, e, 2});
     }
     for (std::uint32_t t = 0; t < s.triangles.size() / 3; ++t) {

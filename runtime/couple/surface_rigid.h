@@ -70,6 +70,7 @@ class SurfaceRigid final : public System {
 
   void wake_left();
   void candidates_of(std::uint32_t surface, StepContext& c);
+  void leave_alone(const Surface& surface, std::uint32_t collider);
   void connect(std::uint32_t surface, std::uint32_t body);
   void measure_pin(const Candidate& k, const BodyPose& at, Real radius);
   void warn_of_pins(const Surface& surface, std::uint32_t collider, StepContext& c);
@@ -107,13 +108,15 @@ class SurfaceRigid final : public System {
   const std::uint32_t finder_;
   Array<Candidate> candidates_{&arena_};
   Array<ContactState> contact_states_{&arena_};
-  Array<Aabb> box_{&arena_};                 // by point: swept over the step
-  Array<Real> smallest_{&arena_};            // by collider: half of its least size, m
-  Array<std::uint32_t> near_{&arena_};       // colliders near a surface
-  Real farthest_ = 0;                        // m, margin for the motion of colliders in this step
-  std::vector<ShapePtr> point_shapes_;       // by surface: a sphere of half the thickness
-  Real speculative_time_ = 0;                // s, for which rows are made
-  Array<Real> pin_depth_{&arena_};           // by point: of pins in the collider whose rows are being made, m
+  Array<Aabb> box_{&arena_};            // by point: swept over the step
+  Array<Real> smallest_{&arena_};       // by collider: half of its least size, m
+  Array<std::uint32_t> near_{&arena_};  // colliders near a surface
+  Array<std::uint8_t> left_alone_{
+      &arena_};                         // by point of a rope: no contact with the collider looked at, where it hangs
+  Real farthest_ = 0;                   // m, margin for the motion of colliders in this step
+  std::vector<ShapePtr> point_shapes_;  // by surface: a sphere of half the thickness
+  Real speculative_time_ = 0;           // s, for which rows are made
+  Array<Real> pin_depth_{&arena_};      // by point: of pins in the collider whose rows are being made, m
   Array<std::uint32_t> deep_pins_{&arena_};  // points where it is not 0
   Array<Real> cfl_number_{&arena_};          // by group: the largest travel in a substep over what a row allows
   std::uint32_t refreshing_ = kNone;         // the group whose rows are made between solver substeps
