@@ -18,7 +18,7 @@ Types make_types_of_names() {
   const auto add = [&](const char* type, std::initializer_list<const char*> names) {
     for (const char* name : names) all[name] = type;
   };
-  add("integer", {"i", "j", "k", "n", "count", "vertices_count", "integer", "points_count", "springs", "edges"});
+  add("integer", {"i", "j", "k", "l", "n", "count", "vertices_count", "integer", "points_count", "springs", "edges"});
   add("boolean", {"on", "boolean", "tension_only"});
   add("string", {"name", "option", "snapshot", "file", "string", "what", "code", "hash"});
   add("feder.EventKind", {"kind"});
@@ -74,6 +74,7 @@ const std::string* stub_type_of_row(const std::string& type) {
       {"vector or number", "number[]|number"},
       {"list of {i, j, k}", "integer[][]"},
       {"list of {i, j, k} or buffer", "integer[][]|feder.Buffer"},
+      {"list of {i, j, k, l} or buffer", "integer[][]|feder.Buffer"},
       {"number or false", "number|false"},
       {"number or function(t, world)", "number|fun(t: number, world: feder.World): number"},
       {"number or table", "number|table"},
@@ -110,6 +111,7 @@ const std::string* stub_type_of_argument(const std::string& title, const std::st
       {"fluid:set_velocities(fn)", "fun(x: number, y: number, z: number, i: integer): number, number, number"},
       {"net:attach(body)", "feder.AnyObject"},
       {"rope:attach(body)", "feder.AnyObject"},
+      {"soft:attach(body)", "feder.AnyObject"},
       {"world:after(fn)", "fun()"},
       {"world:every(fn)", "fun()"},
       {"world:task(fn)", "fun()"},

@@ -64,6 +64,7 @@ const std::map<std::string, Json>& plain_types() {
       {"list of vertex numbers or names", list_of(either({of_type("integer"), name}))},
       {"list of {i, j, k}", list_of(list_of(whole(), 3, 4))},
       {"list of {i, j, k} or buffer", list_of(list_of(whole(), 3, 3))},
+      {"list of {i, j, k, l} or buffer", list_of(list_of(whole(), 4, 4))},
       {"number or false", either({number(), {{"const", false}}})},
       {"number, list or buffer", either({number(), list_of(number())})},
       {"number, string or boolean", {{"type", {"number", "string", "boolean"}}}},

@@ -59,7 +59,7 @@ const Method kClothMethods[] = {
     {"attach", method<soft_attach<Cloth>>, "cloth:attach(i, body, [x, y, z]) -> self",
      "a vertex, or of a sheet \"top_left\", \"top\" ..., to a point of the body frame, to where it is when left out; "
      "or to "
-     "point [x] of a cloth, net or rope, the nearest"},
+     "point [x] of a cloth, net, rope or soft body, the nearest"},
     {"detach", method<&Cloth::detach>, "cloth:detach(i) -> self", "ends an attachment"},
     {"strain", method<cloth_strain>, "cloth:strain([k]) -> number",
      "elongation / rest length of an edge; the largest when k is left out"},

@@ -47,8 +47,8 @@ const Method kRopeMethods[] = {
     {"unpin", method<&Rope::unpin>, "rope:unpin(i) -> self", "lets it go, and the clamp of an end too"},
     {"pinned", method<&Rope::pinned>, "rope:pinned(i) -> boolean", "is it held?"},
     {"attach", method<soft_attach<Rope>>, "rope:attach(i, body, [x, y, z]) -> self",
-     "to a point of the body frame, to where it is when left out; or to point [x] of a rope, net or cloth, the "
-     "nearest"},
+     "to a point of the body frame, to where it is when left out; or to point [x] of a rope, net, cloth or soft "
+     "body, the nearest"},
     {"detach", method<&Rope::detach>, "rope:detach(i) -> self", "ends all attachments of the point"},
     {"strain", method<rope_strain>, "rope:strain([k]) -> number",
      "elongation / rest length of a segment; the largest when k is left out"},

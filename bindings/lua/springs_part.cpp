@@ -76,8 +76,8 @@ const Method kNetMethods[] = {
     {"unpin", method<&Springs::unpin>, "net:unpin(i) -> self", "lets it go"},
     {"pinned", method<&Springs::pinned>, "net:pinned(i) -> boolean", "is it held?"},
     {"attach", method<soft_attach<Springs>>, "net:attach(i, body, [x, y, z]) -> self",
-     "to a point of the body frame, to where it is when left out; or to point [x] of a net, cloth or rope, the "
-     "nearest"},
+     "to a point of the body frame, to where it is when left out; or to point [x] of a net, cloth, rope or soft "
+     "body, the nearest"},
     {"detach", method<&Springs::detach>, "net:detach(i) -> self", "ends an attachment"},
     {"add_spring", method<net_add_spring>,
      "net:add_spring(i, j, { stiffness =, damping =, rest_length =, break_strain =, tension_only =, power = }) -> k",

@@ -37,7 +37,7 @@ struct Track {
 };
 
 // Vertices of one thing through time: faces (triangles) or springs (lines).
-struct Soft {
+struct Deforming {
   bool lines = false;
   Color color;
   std::string name;
@@ -124,7 +124,7 @@ struct GltfWriter::Impl {
                 std::vector<std::uint32_t> indices) {
     if (vertices.empty()) return;
     if (number >= softs.size()) softs.resize(number + 1);
-    Soft& s = softs[number];
+    Deforming& s = softs[number];
     if (s.samples.empty()) {
       s.lines = lines, s.color = color, s.name = std::move(name), s.indices = std::move(indices),
       s.start = times.size() - 1;
@@ -232,7 +232,7 @@ struct GltfWriter::Impl {
     sampler(id, "scale", package->vectors(scale, 0, false), "STEP");
   }
 
-  void write_soft(const Soft& s) {
+  void write_soft(const Deforming& s) {
     // one attribute of all vertices, itself or as its difference from the first sample
     const auto split = [](const std::vector<MeshVertex>& v, const std::vector<MeshVertex>* base,
                           Float3 MeshVertex::*field) {
@@ -272,7 +272,7 @@ struct GltfWriter::Impl {
 
   void write_grounds() {
     for (const Solid& s : grounds) {
-      Soft still;
+      Deforming still;
       still.color = s.color, still.name = "ground", still.indices = s.indices, still.samples = {s.vertices};
       write_soft(still);
     }
@@ -282,7 +282,7 @@ struct GltfWriter::Impl {
   std::vector<TrackKey> order;
   std::map<TrackKey, Track> tracks;
   std::map<std::uint32_t, std::uint32_t> numbers;  // instances of an object so far in this sample
-  std::vector<Soft> softs;
+  std::vector<Deforming> softs;
   std::vector<Solid> grounds;
   std::shared_ptr<const Geometry> ball;
   std::size_t left_out = 0;
@@ -340,7 +340,7 @@ void GltfWriter::write(const std::filesystem::path& file) {
   if (w.times.size() > 1) w.time_input = w.package->floats(w.times, true);
   w.write_grounds();
   for (const TrackKey& key : w.order) w.write_track(w.tracks.at(key));
-  for (const Soft& s : w.softs)
+  for (const Deforming& s : w.softs)
     if (!s.samples.empty()) w.write_soft(s);
   if (w.model.animations[0].channels.empty()) w.model.animations.clear();
   if (w.model.nodes.empty()) throw SceneError(file.string() + ": the scene has nothing that can be exported");

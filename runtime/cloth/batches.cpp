@@ -206,7 +206,7 @@ ClothPass ClothBatches::pass(const ClothView& v, Real h) {
 }
 
 void ClothBatches::run(Kernel kernel, const Array<Color>& colors, ClothPass pass, StepContext& c) {
-  for_colors(colors, kBatchGrain, stages_, c, [&](std::uint32_t first, std::uint32_t last, int) {
+  for_colors(colors, kBatchGrain, stages_, *c.jobs, [&](std::uint32_t first, std::uint32_t last, int) {
     ClothPass part = pass;
     part.first = first, part.last = last;
     kernel(part);

@@ -3,11 +3,12 @@
 #include <memory>
 
 #include "base/checks.h"
+#include "base/colors.h"
 #include "base/jobs.h"
 #include "cloth/batch.h"
 #include "cloth/bending.h"
-#include "cloth/damping.h"
 #include "cloth/solver.h"
+#include "integrate/damping_stages.h"
 
 namespace feder {
 
@@ -18,23 +19,6 @@ double hinge_response(const ClothView& v, const std::uint32_t (&at)[4]);
 // of a strip.
 double stiffest_link(const ClothView& v);
 double stiffest_hinge(const ClothView& v);
-
-// f(first, last, thread) over the batches of each colour, colour after colour; in one go where one thread runs, as
-// batches lie in the order of their colours. `stages`: work memory, which outlives the call.
-template <std::size_t kStages, class Colors, class F>
-void for_colors(const Colors& colors, const JobGrain& grain, JobPool::Stage (&stages)[kStages], StepContext& c, F&& f) {
-  if (colors.empty()) return;
-  FEDER_ASSERT(colors.front().first == 0);
-  if (c.jobs->threads() == 1) return f(colors.front().first, colors.back().last, 0);
-  // one loop; colours beyond kStages follow in loops of their own
-  std::size_t count = 0;
-  for (const auto& color : colors) {
-    stages[count++] = JobPool::stage(color.first, color.last, grain, f);
-    if (count < kStages && &color != &colors.back()) continue;
-    c.jobs->run_stages({stages, count});
-    count = 0;
-  }
-}
 
 class ClothBatches {
  public:

@@ -171,7 +171,7 @@ class Vbd final : public ClothSolver {
   }
 
   void sweep(const DescentPass& p, StepContext& c) {
-    for_colors(colors_, kDescentGrain, stages_, c, [&](std::uint32_t first, std::uint32_t last, int) {
+    for_colors(colors_, kDescentGrain, stages_, *c.jobs, [&](std::uint32_t first, std::uint32_t last, int) {
       DescentPass part = p;
       part.first = first, part.last = last;
       kernels_->descend(part);

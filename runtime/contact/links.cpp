@@ -82,12 +82,12 @@ void SurfaceContact::Impl::connect_links(StepContext& c) {
       return kNone;
     };
     h.a = find(l.a), h.b = l.to_body ? kNone : find(l.b);
-    if (h.a == kNone || l.point >= list[h.a].count) continue;
+    if (h.a == kNone || l.point >= list[h.a].count + list[h.a].inner) continue;
     if (l.to_body) {
       surfaces.anchors.push_back({h.a, list[h.a].first + l.point, l.b});
       continue;
     }
-    if (h.b == kNone || l.other >= list[h.b].count) {
+    if (h.b == kNone || l.other >= list[h.b].count + list[h.b].inner) {
       warn_of_nothing(l, c);
       continue;
     }

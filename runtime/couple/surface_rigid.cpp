@@ -263,7 +263,7 @@ void SurfaceRigid::hold_links(StepContext& c) {
     if (!l.to_body || !objects_.alive(l.a) || !objects_.alive(l.b)) continue;
     const auto at =
         std::find_if(surfaces_.list.begin(), surfaces_.list.end(), [&](const Surface& s) { return s.object == l.a; });
-    if (at == surfaces_.list.end() || l.point >= at->count) continue;
+    if (at == surfaces_.list.end() || l.point >= at->count + at->inner) continue;
     const std::uint32_t body = rigid_.index(l.b);
     SurfaceAttachment k;
     k.vertex = at->first + l.point;

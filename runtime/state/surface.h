@@ -37,6 +37,7 @@ struct EdgeView {
 struct Surface {
   ObjectId object;
   std::uint32_t first = 0, count = 0, total = 0;  // run of points: visible ones, then hidden ones
+  std::uint32_t inner = 0;                        // of the hidden ones behind those: what links may hold too
   std::span<const std::uint32_t> triangles;       // three numbers each
   EdgeView edges;
   const std::uint32_t* borders = nullptr;  // by edge, with the stride of `edges`: kNone where it has one triangle alone

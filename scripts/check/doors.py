@@ -20,7 +20,7 @@ STORED = ROOT / "tests/golden/doors.json"
 WANTED = {"system": 4, "coupling": 1, "shape": 1, "joint": 1, "variant": 1}
 # Words by which a system's files in bindings/ and elsewhere are known to be its own.
 BODIES = ("rigid", "body", "bodies", "joint", "region", "queries")  # what collide serves
-OWN = {"springs": ("springs", "net"), "rigid": BODIES, "cloth": ("cloth",), "rope": ("rope",), "fluid": ("fluid", "emitter"),
+OWN = {"springs": ("springs", "net"), "rigid": BODIES, "cloth": ("cloth",), "rope": ("rope",), "soft": ("soft",), "fluid": ("fluid", "emitter"),
        "collide": ("collide", *BODIES), "contact": ("contact", "surface")}
 PUBLIC = {"springs": "net", "collide": "query"}  # feder/<name>.h of the system, where it is called otherwise
 # Where a system's name in quotes is the name of something else: a layer, node, event, part of a suite, option.
@@ -29,7 +29,7 @@ ELSEWHERE = {"rope": {"bindings/lua/joint.cpp"}, "springs": {"bindings/view/togg
                          "bindings/lua/expect_world.cpp"}}
 # A variant's name in quotes is its own only where its family is named too: "drag" is an option of cloth elsewhere.
 FAMILY = {"forces": "force_kinds", "constrain": "joint_kinds", "broad": "broad_phases", "rigid": "rigid_solver",
-          "cloth": "cloth_solver", "fluid": "fluid_solver", "integrate": r"integrators\b",
+          "cloth": "cloth_solver", "soft": "soft_solver", "fluid": "fluid_solver", "integrate": r"integrators\b",
           "neighbors": "neighbor_searches", "bounds": "bounding_volumes", "bounds.builds": "tree_builds",
           "bounds.searches": "box_searches",
           "geom.indexes": "triangle_indexes"}

@@ -17,7 +17,7 @@ import tempfile
 FLOORS = {
     "base": 0, "bounds": 1, "geom": 2, "linear": 2, "state": 3, "step": 4,
     "integrate": 5, "forces": 5, "broad": 5, "narrow": 5, "constrain": 5, "sph": 5, "neighbors": 5,
-    "collide": 6, "springs": 6, "rigid": 6, "fluid": 6, "cloth": 6, "rope": 6,
+    "collide": 6, "springs": 6, "rigid": 6, "fluid": 6, "cloth": 6, "rope": 6, "soft": 6,
     "contact": 7, "couple": 8, "world": 9, "record": 10, "study": 10,
     "lua": 11, "yaml": 11, "meshes": 11, "report": 11, "view": 11, "cli": 11, "c": 11, "web": 11,
 }
@@ -35,7 +35,7 @@ PUBLIC = {
     "types": "base", "error": "base", "params": "base", "memory": "base", "snapshot": "base", "profile": "base",
     "shape": "geom", "sdf": "geom", "object": "state", "events": "state", "body": "state", "plan": "step",
     "system": "step", "force": "forces", "integrator": "integrate", "joint": "constrain", "query": "collide",
-    "net": "springs", "rigid": "rigid", "cloth": "cloth", "rope": "rope", "fluid": "fluid", "desc": "world", "world": "world",
+    "net": "springs", "rigid": "rigid", "cloth": "cloth", "rope": "rope", "soft": "soft", "fluid": "fluid", "desc": "world", "world": "world",
     "systems": "world", "record": "record", "study": "study", "stability": "study", "lua": "lua", "parts": "lua", "yaml": "lua",
     "meshes": "lua",
 }

@@ -14,7 +14,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 NEEDED = {"base": "bounds", "geom": "state", "linear": "integrate", "state": "step", "step": "world", "integrate": "springs",
           "forces": "world", "collide": "couple", "contact": "cloth", "broad": "collide", "narrow": "collide", "bounds": "geom", "constrain": "rigid",
           "sph": "fluid", "neighbors": "fluid"}
-FREE = ["springs", "rigid", "cloth", "rope", "fluid", "couple", "world", "study", "lua", "yaml", "meshes", "report",
+FREE = ["springs", "rigid", "cloth", "rope", "soft", "fluid", "couple", "world", "study", "lua", "yaml", "meshes", "report",
         "view",
         "live", "window", "states", "cli"]
 DEFAULTS = ["broad.tree", "rigid.soft_step", "integrate.symplectic_euler", "cloth.xpbd", "fluid.dfsph", "sph.wendland",

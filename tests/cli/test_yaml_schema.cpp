@@ -112,6 +112,9 @@ cloths:
 ropes:
   - { from: [30, 5, 0], to: [31, 5, 0], segments: 6, pins: [first_clamped, 3], bend: 0.01 }
   - { points: [[30, 6, 0], [31, 6, 0], [31, 6, 1]], pins: [last] }
+soft_bodies:
+  - { shape: { box: [0.2, 0.2, 0.2] }, resolution: 2, position: [30, 8, 0], young: 1000, pins: [1] }
+  - { points: [[30, 9, 0], [31, 9, 0], [30, 10, 0], [30, 9, 1]], tetrahedra: [[1, 2, 3, 4]], poisson: 0.4 }
 fluids:
   - spacing: 0.1
     solver: pbf
@@ -213,7 +216,7 @@ TEST_CASE("the schema has every option of its makers with sentence and unit, and
   const Json pages = Program().run("doc --json").json();
   const std::map<std::string, const char*> lists = {
       {"world:body", "bodies"},  {"world:region", "regions"}, {"world:joint", "joints"}, {"world:net", "nets"},
-      {"world:cloth", "cloths"}, {"world:rope", "ropes"},     {"world:fluid", "fluids"}};
+      {"world:cloth", "cloths"}, {"world:rope", "ropes"},     {"world:fluid", "fluids"}, {"world:soft", "soft_bodies"}};
   const Json& known = schema()["properties"];
   std::size_t rows = 0;
   for (const Json& page : pages) {

@@ -1,5 +1,6 @@
-// The whole runtime by its public headers alone: bodies, a joint, a net, a cloth, a rope and a fluid in one world, with
-// queries, events, forces, snapshots and a recording; a study; and the YAML reader handed to a script host.
+// The whole runtime by its public headers alone: bodies, a joint, a net, a cloth, a rope, a soft body and a fluid in
+// one world, with queries, events, forces, snapshots and a recording; a study; and the YAML reader handed to a script
+// host.
 #include <feder/cloth.h>
 #include <feder/fluid.h>
 #include <feder/lua.h>
@@ -8,6 +9,7 @@
 #include <feder/record.h>
 #include <feder/rigid.h>
 #include <feder/rope.h>
+#include <feder/soft.h>
 #include <feder/study.h>
 #include <feder/world.h>
 #include <feder/yaml.h>
@@ -48,6 +50,11 @@ void make_things(World& world) {
   RopeDesc line;
   line.name = "line", line.points = {Vec3(-6, 3, 0), Vec3(-6, 2, 0), Vec3(-6, 1, 0)}, line.pins = {0};
   world.need<Rope>().add_rope(line);
+
+  SoftDesc jelly;
+  jelly.name = "jelly", jelly.shape = make_box(Real(0.3), Real(0.3), Real(0.3)), jelly.resolution = 3;
+  jelly.pose.position = Vec3(-9, 1, 0);
+  world.need<Soft>().add_soft(jelly);
 
   FluidDesc water;
   water.name = "water";

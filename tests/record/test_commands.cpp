@@ -77,8 +77,9 @@ TEST_CASE("every method of a system that changes it is a command", "[record][com
     const char *file, *system;
   };
   const std::vector<std::string> known = command_names();
-  for (const Header& h : {Header{"rigid.h", "rigid"}, Header{"net.h", "springs"}, Header{"cloth.h", "cloth"},
-                          Header{"rope.h", "rope"}, Header{"fluid.h", "fluid"}, Header{"query.h", "collide"}}) {
+  for (const Header& h :
+       {Header{"rigid.h", "rigid"}, Header{"net.h", "springs"}, Header{"cloth.h", "cloth"}, Header{"rope.h", "rope"},
+        Header{"soft.h", "soft"}, Header{"fluid.h", "fluid"}, Header{"query.h", "collide"}}) {
     CAPTURE(h.file);
     std::string text = text_of(fs::path(FEDER_SOURCE_DIR "/runtime/include/feder") / h.file);
     const std::size_t begin = text.find(" final : public System");

@@ -1,4 +1,5 @@
-// Coefficients of a Runge-Kutta-Chebyshev method for y' = -A y over a time of 1. Private to the module.
+// Coefficients of a Runge-Kutta-Chebyshev method for y' = -A y over a time of 1 (van der Houwen and Sommeijer 1980;
+// Verwer, Hundsdorfer and Sommeijer 1990, eq. 2.3 ff., first order): s stages are stable to 1.07 s^2.
 #pragma once
 
 namespace feder {

@@ -1,0 +1,156 @@
+// The parts of the system of soft bodies that its files share. Private to the module.
+#pragma once
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "feder/error.h"
+#include "feder/force.h"
+#include "feder/soft.h"
+#include "forces/forces.h"
+#include "soft/solver.h"
+#include "soft/tetrahedra.h"
+#include "state/arrays.h"
+#include "state/command_log.h"
+#include "state/surface.h"
+#include "state/surface_links.h"
+
+namespace feder {
+
+// What decides a soft body's motion beside its points; plain data, saved as it is.
+struct SoftSettings {
+  Real density = 0, young = 0, poisson = 0;  // kg/m^3, Pa
+  Real damping = 0;                          // s
+  Real thickness = 0, friction = 0;          // m
+  Real gravity_scale = 1;
+  std::uint32_t group = 1, mask = 0xffffffffu;
+  std::uint32_t self_collision = 1;
+  std::int32_t substeps = 0, max_substeps = 0;
+};
+
+// What changes from step to step; saved too.
+struct SoftState {
+  // m/s^2: gravity while the last step was free fall, else 0; velocities are then those at the end of a solver
+  // substep, where the method's own are half of one behind
+  Real flight[3] = {0, 0, 0};
+  Real sleep_energy = kInfinity;  // moving average of kinetic energy per mass, m^2/s^2
+  std::uint32_t sleep_steps = 0;
+  std::uint32_t fresh = 1, frozen = 0, asleep = 0;  // 1: not stepped yet; quarantined; asleep
+  std::int32_t substeps = 1;                        // as last chosen for it
+  std::uint32_t warned = 0;                         // 1: the cap of solver substeps was reported
+};
+
+struct SoftBody {
+  explicit SoftBody(Arena& a) : arena(a), mesh(a) {}
+
+  Arena& arena;
+  ObjectId object;
+  SoftSettings settings;
+  SoftState state;
+  SoftMesh mesh;
+  Array<Vec3> position{&arena}, velocity{&arena};  // m, world; m/s
+  Array<Vec3> script_force{&arena};                // N
+  Array<Real> mass{&arena}, inv_mass{&arena};      // kg; 1/kg, 0: pinned
+  // Acceleration by contacts in the last solver substep, and what it and the one before have in common, m/s^2.
+  Array<Vec3> contact{&arena}, steady_contact{&arena};
+  std::string solver_name;
+  Params solver_options;
+  std::unique_ptr<SoftSolver> solver;
+
+  // follow from those
+  SoftMaterial material;
+  std::uint64_t version = 1;  // of mesh and material
+  Real total_mass = 0;        // kg
+  bool any_pin = false;
+  double share = 1;  // of its stiffness that it acts with, as last chosen
+  // of a step
+  Array<Vec3> acceleration{&arena};  // gravity, scripts, generators, m/s^2
+  std::uint32_t surface = 0;         // in Surfaces::list
+  std::uint32_t bad_point = kNone;
+  bool touched = false, linked = false, prepared = false;  // contact moved it; held to something; its solver is ready
+
+  std::uint32_t size() const { return static_cast<std::uint32_t>(position.size()); }
+  bool active() const { return !state.frozen && !state.asleep; }
+  Vec3 flight() const { return Vec3(state.flight[0], state.flight[1], state.flight[2]); }
+  void set_flight(const Vec3& a) {
+    for (int k = 0; k < 3; ++k) state.flight[k] = a[k];
+  }
+  void derive();       // all that follows
+  void derive_mass();  // what follows from pins
+  // Calls f(member) for what snapshots hold beside mesh and solver.
+  template <class B, class F>
+  static void each_saved(B& b, F&& f) {
+    for_each_of(f, b.object, b.settings, b.state, b.position, b.velocity, b.script_force, b.mass, b.inv_mass, b.contact,
+                b.steady_contact);
+  }
+  Corners corners(std::size_t k) const {
+    const TetrahedronPoints& t = mesh.tetrahedra[k];
+    return {wide(position[t[0]]), wide(position[t[1]]), wide(position[t[2]]), wide(position[t[3]])};
+  }
+};
+
+struct Soft::Impl {
+  explicit Impl(SystemSetup& setup);
+
+  Arena& arena;
+  Store& store;
+  Objects& objects;
+  CommandLog& commands;
+  Events& events;
+  bool* structure_changed;
+  Surfaces& surfaces;
+  std::vector<std::unique_ptr<SoftBody>> bodies;  // by object index
+  std::size_t force_count = 0;                    // forces known when the passes were made
+  bool gravity_known = false;
+  Vec3 gravity = Vec3::Zero();  // of the last step: a change wakes all
+  Array<MassPoint> points{&arena};
+  Array<Vec3> forces{&arena};  // N
+
+  SoftBody& body(ObjectId id) const {
+    FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kSoftKind);
+    return *bodies[objects.index(id)];
+  }
+  std::uint32_t point(ObjectId id, std::size_t i) const;  // SceneError when there is none
+  void declare_surfaces();
+  void attach_solver(SoftBody& b, const std::string& name, const Params& options);
+  SoftView view(SoftBody& b);
+  void wake(SoftBody& b, WakeCause cause, ObjectId other);
+  void put_to_sleep(SoftBody& b);
+  void drain_wakes();
+
+  // passes
+  void show(StepContext& c);
+  void gather(StepContext& c);
+  void begin_substep(StepContext& c);
+  void advance(StepContext& c);
+  void read_velocities(StepContext& c);
+  void wake_touched(StepContext& c);
+  void commit(StepContext& c);
+
+  void choose_substeps(SoftBody& b, StepContext& c);
+  void warn_of_cap(SoftBody& b, double wanted, int cap);
+  void add_forces(SoftBody& b, StepContext& c);
+  void update_sleep(SoftBody& b, StepContext& c);
+
+  SurfaceGroup& group(const StepContext& c) const { return *surfaces.groups[static_cast<std::size_t>(c.inner.group)]; }
+  template <class F>
+  void each_active(const SurfaceGroup& g, F&& f) {
+    for (const std::uint32_t n : g.members)
+      if (objects.kind(surfaces.list[n].object) == kSoftKind) {
+        SoftBody& b = body(surfaces.list[n].object);
+        if (b.active() && b.prepared) f(b);
+      }
+  }
+  template <class F>
+  void each_force(const SoftBody& b, F&& f) const {
+    const Forces* all = store.find<Forces>();
+    if (!all) return;
+    const TagMask tags = objects.tags(b.object);
+    for (const ForceEntry& entry : all->list)
+      if (acts_on(entry, b.object, tags)) f(entry);
+  }
+  // A point as generators see it, with the volume of its share of the tetrahedra and the area of a ball of it.
+  MassPoint mass_point(const SoftBody& b, std::uint32_t i) const;
+};
+
+}  // namespace feder

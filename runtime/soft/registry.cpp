@@ -1,0 +1,18 @@
+// The table of solvers of soft bodies, from the lines that feder_variant(soft ...) wrote.
+#include "feder/soft.h"
+#include "soft/solver.h"
+
+namespace feder {
+using Row = Variant<SoftSolver>;
+#include "soft_declare.inc"
+
+std::span<const Variant<SoftSolver>> soft_solvers() {
+  static const std::initializer_list<Row> rows = {
+#include "soft_rows.inc"
+  };
+  return {rows.begin(), rows.size()};
+}
+
+std::string default_soft_solver() { return default_variant(soft_solvers(), "xpbd"); }
+
+}  // namespace feder

@@ -1,0 +1,81 @@
+// Soft bodies that nothing holds: rotation, momentum, and the way back from any state.
+#include "base/rng.h"
+#include "soft_bodies.h"
+
+namespace feder::test {
+namespace {
+
+double distance_of(const double (&a)[3], const double (&b)[3]) {
+  return std::sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
+}
+
+}  // namespace
+
+TEST_CASE("a body turns freely for 10 s at 10 rad/s and keeps angular momentum and volume", "[soft]") {
+  WorldDesc desc = weightless();
+  desc.sleeping = false;
+  World w(desc, catalog());
+  Soft& soft = w.need<Soft>();
+  SoftDesc d = soft_box(vec3(Real(0.2), Real(0.15), Real(0.1)), 4);
+  d.young = Real(1e6);
+  d.angular_velocity = vec3(Real(10.0 / 3), Real(20.0 / 3), Real(20.0 / 3));  // about no axis of its own: it tumbles
+  const ObjectId id = soft.add_soft(d);
+  const Momentum before = w.momentum();
+  const double size = std::sqrt(before.angular[0] * before.angular[0] + before.angular[1] * before.angular[1] +
+                                before.angular[2] * before.angular[2]);
+  REQUIRE(size > 0);
+  for (int k = 0; k < 600; ++k) w.step();
+  const Momentum after = w.momentum();
+  CHECK(distance_of(after.angular, before.angular) < 1e-4 * size);
+  CHECK(std::fabs(number(soft.volume(id)) / number(soft.rest_volume(id)) - 1) < 1e-3);
+}
+
+TEST_CASE("a body that is turned as it rests has no force in it", "[soft]") {
+  World w(weightless(), catalog());
+  Soft& soft = w.need<Soft>();
+  SoftDesc d = soft_box(vec3(Real(0.2), Real(0.2), Real(0.2)), 4);
+  d.pose.rotation = from_axis_angle(Vec3(1, 2, 3), Real(1.1));
+  d.damping = 0;
+  const ObjectId id = soft.add_soft(d);
+  const double h = 1.0 / 60;
+  w.step();
+  double most = 0;  // N, mean over the step
+  for (std::size_t i = 0; i < soft.point_count(id); ++i)
+    most = std::max(most, number(soft.point_mass(id, i)) * number(length(soft.velocity(id, i))) / h);
+  CHECK(most < 1e-5 * double(d.young) * 0.04);
+}
+
+TEST_CASE("all points random, a body is back in shape after 5 s", "[soft]") {
+  const double nu = GENERATE(-0.5, 0.0, 0.3);
+  const std::uint32_t cells = GENERATE(2u, 4u);
+  CAPTURE(nu, cells);
+  World w(weightless(), catalog());
+  Soft& soft = w.need<Soft>();
+  SoftDesc d = soft_box(vec3(Real(0.2), Real(0.2), Real(0.2)), cells);
+  d.poisson = static_cast<Real>(nu), d.damping = Real(0.01), d.self_collision = false;
+  const ObjectId id = soft.add_soft(d);
+  Rng rng(7 + cells);
+  for (std::size_t i = 0; i < soft.point_count(id); ++i)
+    soft.set_point(id, i,
+                   vec3(rng.uniform(Real(-0.1), Real(0.1)), rng.uniform(Real(-0.1), Real(0.1)),
+                        rng.uniform(Real(-0.1), Real(0.1))));
+  CHECK(soft.inverted(id) > soft.tetrahedron_count(id) / 4);
+  for (int k = 0; k < 300; ++k) w.step();
+  CHECK(soft.inverted(id) == 0);
+  CHECK(number(soft.max_strain(id)) < 0.01);
+  // edges between corners are as long as at rest, to a per cent of the size
+  for (std::size_t i = 1; i < soft.point_count(id); ++i) {
+    const double now = number(length(Vec3(soft.point(id, i) - soft.point(id, 0))));
+    const double rest = number(length(Vec3(soft.rest_point(id, i) - soft.rest_point(id, 0))));
+    REQUIRE(std::fabs(now - rest) < 0.01 * 0.2);
+  }
+  // what was at rest has neither momentum nor angular momentum
+  const Momentum m = w.momentum();
+  double mass = 0;
+  for (std::size_t i = 0; i < soft.point_count(id); ++i) mass += number(soft.point_mass(id, i));
+  const double none[3] = {0, 0, 0}, speed = std::sqrt(double(d.young) / 1000);
+  CHECK(distance_of(m.linear, none) < 1e-4 * mass * speed);
+  CHECK(distance_of(m.angular, none) < 1e-4 * mass * speed * 0.2);
+}
+
+}  // namespace feder::test
