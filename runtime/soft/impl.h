@@ -14,6 +14,7 @@
 #include "state/command_log.h"
 #include "state/surface.h"
 #include "state/surface_links.h"
+#include "step/watch.h"
 
 namespace feder {
 
@@ -39,6 +40,9 @@ struct SoftState {
   std::int32_t substeps = 1;                        // as last chosen for it
   std::uint32_t warned = 0;                         // 1: the cap of solver substeps was reported
 };
+
+// Of a soft body whose energy jumped.
+inline constexpr const char* kSoftCure = "take more substeps or weaker forces";
 
 struct SoftBody {
   explicit SoftBody(Arena& a) : arena(a), mesh(a) {}
@@ -68,6 +72,8 @@ struct SoftBody {
   std::uint32_t surface = 0;         // in Surfaces::list
   std::uint32_t bad_point = kNone;
   bool touched = false, linked = false, prepared = false;  // contact moved it; held to something; its solver is ready
+  Array<Vec3> began{&arena};                               // m: where the step began, for the watchdog
+  double kinetic_before = 0;                               // J, then
 
   std::uint32_t size() const { return static_cast<std::uint32_t>(position.size()); }
   bool active() const { return !state.frozen && !state.asleep; }
@@ -75,17 +81,20 @@ struct SoftBody {
   void set_flight(const Vec3& a) {
     for (int k = 0; k < 3; ++k) state.flight[k] = a[k];
   }
-  void derive();       // all that follows
-  void derive_mass();  // what follows from pins
+  void derive();                                      // all that follows
+  void derive_mass();                                 // what follows from pins
+  double elastic_energy(const Array<Vec3>& x) const;  // J, above that at rest, with its points there
+  double kinetic_energy() const;                      // J
   // Calls f(member) for what snapshots hold beside mesh and solver.
   template <class B, class F>
   static void each_saved(B& b, F&& f) {
     for_each_of(f, b.object, b.settings, b.state, b.position, b.velocity, b.script_force, b.mass, b.inv_mass, b.contact,
                 b.steady_contact);
   }
-  Corners corners(std::size_t k) const {
+  Corners corners(std::size_t k) const { return corners(k, position); }
+  Corners corners(std::size_t k, const Array<Vec3>& x) const {
     const TetrahedronPoints& t = mesh.tetrahedra[k];
-    return {wide(position[t[0]]), wide(position[t[1]]), wide(position[t[2]]), wide(position[t[3]])};
+    return {wide(x[t[0]]), wide(x[t[1]]), wide(x[t[2]]), wide(x[t[3]])};
   }
 };
 
@@ -97,6 +106,7 @@ struct Soft::Impl {
   Objects& objects;
   CommandLog& commands;
   Events& events;
+  Watch& watched;
   bool* structure_changed;
   Surfaces& surfaces;
   std::vector<std::unique_ptr<SoftBody>> bodies;  // by object index
@@ -131,6 +141,10 @@ struct Soft::Impl {
   void warn_of_cap(SoftBody& b, double wanted, int cap);
   void add_forces(SoftBody& b, StepContext& c);
   void update_sleep(SoftBody& b, StepContext& c);
+  // watch.cpp
+  double work(const SoftBody& b, const StepContext& c) const;
+  double given(const SoftBody& b, const StepContext& c) const;
+  void watch(const SoftBody& b, const StepContext& c);
 
   SurfaceGroup& group(const StepContext& c) const { return *surfaces.groups[static_cast<std::size_t>(c.inner.group)]; }
   template <class F>

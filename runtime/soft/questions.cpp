@@ -8,8 +8,7 @@ namespace feder {
 namespace {
 
 // Columns of the deformation gradient.
-std::array<Double3, 3> gradient_of(const SoftBody& b, std::size_t k) {
-  const Corners x = b.corners(k);
+std::array<Double3, 3> gradient_of(const SoftBody& b, std::size_t k, const Corners& x) {
   std::array<Double3, 3> f = {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}};
   for (std::size_t c = 0; c < 3; ++c) {
     const Real* g = &b.mesh.inverse[9 * k + 3 * c];
@@ -22,7 +21,7 @@ double determinant(const std::array<Double3, 3>& f) { return dot(f[0], cross(f[1
 
 // Largest |s - 1| over the singular values s of F.
 double strain_of(const SoftBody& b, std::size_t k) {
-  const std::array<Double3, 3> f = gradient_of(b, k);
+  const std::array<Double3, 3> f = gradient_of(b, k, b.corners(k));
   Mat3 c;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
@@ -41,21 +40,20 @@ double volume_of(const SoftBody& b) {
   return sum;
 }
 
-// Above that at rest.
-double elastic_energy(const SoftBody& b) {
+}  // namespace
+
+double SoftBody::elastic_energy(const Array<Vec3>& x) const {
   double sum = 0;
-  const SoftMaterial& m = b.material;
-  for (std::size_t k = 0; k < b.mesh.tetrahedra.size(); ++k) {
-    const std::array<Double3, 3> f = gradient_of(b, k);
+  const SoftMaterial& m = material;
+  for (std::size_t k = 0; k < mesh.tetrahedra.size(); ++k) {
+    const std::array<Double3, 3> f = gradient_of(*this, k, corners(k, x));
     const double square = dot(f[0], f[0]) + dot(f[1], f[1]) + dot(f[2], f[2]), beyond = determinant(f) - m.gamma;
     const double rest = 1 - m.gamma;
-    sum += double(b.mesh.volume[k]) *
+    sum += double(mesh.volume[k]) *
            (m.shear / 2 * (square - 3 - std::log((square + 1) / 4)) + m.lambda / 2 * (beyond * beyond - rest * rest));
   }
   return sum;
 }
-
-}  // namespace
 
 std::size_t Soft::count() const {
   std::size_t sum = 0;
@@ -122,7 +120,7 @@ Energy Soft::energy(const Vec3& gravity) const {
       e.kinetic += 0.5 * m * double(dot(b->velocity[i], b->velocity[i]));
       e.potential -= m * double(b->settings.gravity_scale) * double(dot(gravity, b->position[i]));
     }
-    e.elastic += elastic_energy(*b);
+    e.elastic += b->elastic_energy(b->position);
     impl_->each_force(*b, [&](const ForceEntry& f) {
       for (std::uint32_t i = 0; i < b->size(); ++i) {
         const MassPoint point = impl_->mass_point(*b, i);

@@ -35,7 +35,8 @@ void check_soft(const SoftDesc& d, const std::string& owner) {
 
 Soft::Impl::Impl(SystemSetup& s)
     : arena(s.store.arena(kName)), store(s.store), objects(s.objects), commands(s.commands), events(s.events),
-      structure_changed(s.structure_changed), surfaces(s.store.need<Surfaces>("contact")) {}
+      watched(s.store.need<Watch>("watch")), structure_changed(s.structure_changed),
+      surfaces(s.store.need<Surfaces>("contact")) {}
 
 const SystemDescriptor& Soft::descriptor() {
   static const char* const needs[] = {"contact"};

@@ -71,6 +71,7 @@ void Soft::Impl::show(StepContext& c) {
   for (auto& p : bodies) {
     SoftBody& b = *p;
     b.bad_point = kNone, b.touched = b.prepared = false;
+    b.kinetic_before = b.kinetic_energy(), b.began = b.position;
     b.linked = links && links->names(b.object);
     if (b.active() && b.state.fresh) {
       b.state.fresh = 0;
@@ -210,6 +211,7 @@ void Soft::Impl::commit(StepContext& c) {
       message += (message.empty() ? "" : "; ") + objects.describe(b.object) + " point " +
                  std::to_string(b.bad_point + 1) + " went non-finite: the body is held where it was";
       if (!bad) bad = b.object;
+      watched.suspects.push_back({kName, b.object, b.kinetic_before, NAN, 0, 0, false, kSoftCure});
       continue;
     }
     for (std::uint32_t i = 0; i < b.size(); ++i) {
@@ -218,6 +220,7 @@ void Soft::Impl::commit(StepContext& c) {
       b.velocity[i] = surfaces.velocity[s.first + i].vec() + lead;
     }
     b.set_flight(flight);
+    watch(b, c);
     update_sleep(b, c);
   }
   if (!message.empty()) events.warn("non_finite", message, bad);

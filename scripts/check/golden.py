@@ -24,7 +24,7 @@ STEPS = (60, 240)
 PAIR = "tests/golden/pair.lua"
 GROUPS = "tests/golden/groups.lua"  # cloths that do not meet
 KINDS = {"rigid": ["", "--world rigid.solver=impulse"], "net": [""],
-         "cloth": [f"--set cloth={name}" for name in ("xpbd", "mass_spring", "vbd", "implicit")], "rope": [""],
+         "cloth": [f"--set cloth={name}" for name in ("xpbd", "mass_spring", "vbd", "implicit")], "rope": [""], "soft": [""],
          "fluid": ["--set fluid=pbf", "--set fluid=wcsph", "--set fluid=dfsph"]}
 # scenes that take long at their own size run smaller
 SMALLER = {"scenes/cloth/fold.lua": "--set rows=20", "scenes/cloth/tablecloth.lua": "--set rows=21",

@@ -3,7 +3,7 @@
 local feder = require "feder"
 local build = require "feder.build"
 
-local kinds = { "rigid", "net", "cloth", "rope", "fluid" }
+local kinds = { "rigid", "net", "cloth", "rope", "soft", "fluid" }
 local below = feder.param("below", "rigid", { choices = kinds })
 local above = feder.param("above", "rigid", { choices = kinds })
 local cloth = feder.param("cloth", "xpbd", { choices = { "xpbd", "mass_spring", "vbd", "implicit" } })
@@ -41,6 +41,14 @@ function make.rope(world, name, y, held)
     pins = held and { "first", "last" } or nil }
   world:rope { name = name .. " stiff", from = { -0.1, y, -0.6 }, to = { 0.15, y, 0.6 }, radius = 0.03, density = 300,
     bend = 0.2, pins = held and "first_clamped" or nil }
+end
+
+function make.soft(world, name, y, held)
+  local block = world:soft { name = name, shape = feder.box(0.8, 0.16, 0.3), resolution = 8, position = { 0.05, y, -0.02 },
+    density = 400, young = 1e5, friction = 0.3 }
+  for i = 1, held and (block:count()) or 0 do
+    if math.abs(block:rest_point(i)) > 0.39 then block:pin(i) end
+  end
 end
 
 function make.fluid(world, name, y)

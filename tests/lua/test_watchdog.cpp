@@ -72,6 +72,10 @@ const Plant kPlants[] = {
     {"line",
      "local w = feder.world { substeps = 1 } watch(w) local r = w:rope { name = 'line', from = {0,2,0}, to = {1,2,0} } "
      "w:force { kind = 'spring', on = r, stiffness = 1e5 } w:step(20)"},
+    {"jelly",
+     "local w = feder.world { substeps = 1 } watch(w) local s = w:soft { name = 'jelly', shape = feder.box(.2, .2, "
+     ".2), "
+     "resolution = 3, position = {1,2,0} } w:force { kind = 'spring', on = s, stiffness = 1e5 } w:step(20)"},
     {"drop",
      "local w = feder.world {} watch(w) local f = w:fluid { name = 'drop', solver = 'pbf', spacing = .1, "
      "surface_tension = 1e5, max_substeps = 1 } "
@@ -130,6 +134,18 @@ TEST_CASE("the watchdog bears what scripts do", "[watchdog]") {
       "local r = w:rope { from = {0,0,0}, to = {1,0,0}, bend = .1, pins = 'first' } w:step(5) r:set_velocity(21, 0, "
       "300, 0) "
       "w:step(30)",
+      // soft bodies: one point carried away, all in one place, one within another and within a body, hung from a body
+      // that is carried away, thrown apart
+      "local s = w:soft { shape = feder.box(.2, .2, .2), resolution = 3, pins = {1} } w:step(5) "
+      "s:set_point(1, 5, 5, 5) w:step(30)",
+      "local s = w:soft { shape = feder.box(.2, .2, .2), resolution = 3 } w:step(5) "
+      "for i = 1, (s:count()) do s:set_point(i, 0, 0, 0) end w:step(30)",
+      "for i = 1, 3 do w:soft { shape = feder.sphere(.2), resolution = 4, position = {.05 * i, 0, 0} } end "
+      "w:body { type = 'static', shape = feder.box(.6, .6, .6), position = {0, -.3, 0} } w:step(30)",
+      "local s = w:soft { shape = feder.box(.2, .2, .2), resolution = 3 } local b = w:body { shape = feder.sphere(.1), "
+      "position = {0,.3,0} } s:attach(1, b) w:step(5) b:set_position(0, 2, 0) w:step(30)",
+      "local s = w:soft { shape = feder.box(.2, .2, .2), resolution = 3, young = 1e6 } w:step(5) "
+      "for i = 1, (s:count()) do s:set_velocity(i, 0, (i % 3 - 1) * 100, 0) end w:step(30)",
       // water poured into water, thrown
       "local f = w:fluid { spacing = .1, max_particles = 5000 } f:fill { box = {{0,0,0},{.6,.6,.6}} } w:step(3) "
       "f:fill { box = {{0,0,0},{.6,.6,.6}} } w:step(10) f:emitter { position = {0,3,0}, direction = {0,-1,0}, speed = "

@@ -152,7 +152,7 @@ class Cloth final : public System {
     Vec3 local = Vec3::Zero();  // in the body frame of `body`, m
   };
   void attach(ObjectId cloth, std::size_t i, ObjectId body, const Vec3& local);
-  // To point j, from 0, of another soft thing (cloth, a net that collides, a rope); from both sides.
+  // To point j, from 0, of another soft thing (cloth, a net that collides, a rope, a soft body); from both sides.
   void attach_point(ObjectId cloth, std::size_t i, ObjectId other, std::size_t j);
   void detach(ObjectId cloth, std::size_t i);  // of all
   void detach_body(ObjectId body);

@@ -154,8 +154,8 @@ class Springs final : public System {
     Vec3 local = Vec3::Zero();  // in the body frame of `body`, m
   };
   void attach(ObjectId net, std::size_t i, ObjectId body, const Vec3& local);
-  // To point j, from 0, of another soft thing (cloth, a net that collides, a rope); from both sides. SceneError where
-  // this net does not collide.
+  // To point j, from 0, of another soft thing (cloth, a net that collides, a rope, a soft body); from both sides.
+  // SceneError where this net does not collide.
   void attach_point(ObjectId net, std::size_t i, ObjectId other, std::size_t j);
   void detach(ObjectId net, std::size_t i);
   const std::vector<Attachment>& attachments() const;

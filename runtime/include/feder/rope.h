@@ -91,7 +91,7 @@ class Rope final : public System {
   bool quarantined(ObjectId rope) const;
 
   // Holds point i to a place of a body's frame, m, or to point j of another soft thing (cloth, a net that collides, a
-  // rope; from 0); from both sides, with the momentum of both. What is held apart is a warning, `attachment_gap`.
+  // rope, a soft body; from 0); from both sides, with the momentum of both. Held apart: a warning, `attachment_gap`.
   void attach(ObjectId rope, std::size_t i, ObjectId body, const Vec3& local);
   void attach_point(ObjectId rope, std::size_t i, ObjectId other, std::size_t j);
   void detach(ObjectId rope, std::size_t i);  // of all

@@ -68,6 +68,7 @@ class Soft final : public System {
   void load(Reader& r) override;
   Energy energy(const Vec3& gravity) const override;
   Momentum momentum() const override;
+  double held(const StepContext& c) override;
   // soft.volume_error, .max_strain, .inverted, .substeps, .sleeping, .quarantined
   void residuals(std::vector<Residual>& out) const override;
   void notes(std::vector<Note>& out) const override;

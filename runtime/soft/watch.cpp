@@ -1,0 +1,84 @@
+// Energy bounds of soft bodies for the watchdog (step/watch.h). Their method keeps energy or takes it out; forces that
+// are constant in a substep may give too much, and so may what a contact or an attachment undoes.
+#include <algorithm>
+#include <cmath>
+
+#include "soft/impl.h"
+
+namespace feder {
+namespace {
+// m/s, at which overlap is undone (contact/rows.cpp), and gaps of attachments (contact/links.cpp)
+constexpr double kSoftPush = 1, kSoftPull = 3;
+}  // namespace
+
+double SoftBody::kinetic_energy() const {
+  double sum = 0;
+  for (std::uint32_t i = 0; i < size(); ++i) sum += double(mass[i]) * double(dot(velocity[i], velocity[i]));
+  return 0.5 * sum;
+}
+
+// Upper bound of the work of weight, scripts and generators in the step, J: force times path. For a generator with a
+// potential it is the loss of potential instead: where one is too stiff for the step, force times path would explain
+// any energy.
+double Soft::Impl::work(const SoftBody& b, const StepContext& c) const {
+  const auto path = [&](std::uint32_t i) {
+    return b.inv_mass[i] != 0 ? double(length(Vec3(b.position[i] - b.began[i]))) : 0.0;
+  };
+  double all = 0, weight = 0, fall = 0, push = 0;
+  const double g = double(length(gravity)) * std::fabs(double(b.settings.gravity_scale));
+  for (std::uint32_t i = 0; i < b.size(); ++i) {
+    all += double(b.mass[i]) * double(length(b.acceleration[i])) * path(i);
+    weight += (double(b.mass[i]) * g + double(length(b.script_force[i]))) * path(i);
+  }
+  bool held = false;
+  each_force(b, [&](const ForceEntry& f) {
+    if (f.force->on_area()) return;
+    double potential[2] = {0, 0}, most = 0;
+    for (std::uint32_t i = 0; i < b.size(); ++i) {
+      MassPoint point = mass_point(b, i);
+      Vec3 before = Vec3::Zero(), after = Vec3::Zero();
+      potential[1] += f.force->potential(&point, 1);
+      f.force->add(&point, 1, c.time + double(c.dt), &after);
+      point.position = b.began[i];
+      potential[0] += f.force->potential(&point, 1);
+      f.force->add(&point, 1, c.time, &before);
+      most += double(std::max(length(before), length(after))) * path(i);
+    }
+    const bool conserves = potential[0] != 0 || potential[1] != 0;
+    held = held || conserves;
+    if (conserves)
+      fall += std::fmax(potential[0] - potential[1], 0.0);
+    else
+      push += most;
+  });
+  return held ? std::fmin(all, fall + push + weight) : all;
+}
+
+// Energy that the step may have given, J: strain at its start, work, and what overlap and gaps of attachments are
+// undone at.
+double Soft::Impl::given(const SoftBody& b, const StepContext& c) const {
+  const double undone = kSoftPush * kSoftPush + (b.linked ? kSoftPull * kSoftPull : 0);
+  return std::fmax(b.elastic_energy(b.began), 0.0) + work(b, c) + 0.5 * double(b.total_mass) * undone;
+}
+
+void Soft::Impl::watch(const SoftBody& b, const StepContext& c) {
+  const double now = b.kinetic_energy();
+  if (now <= kDiverged * b.kinetic_before) return;  // most steps end here
+  const double before = b.kinetic_before + quiet_energy(c) * double(b.total_mass);
+  if (!Watch::jumped(before, 0, now)) return;
+  const double sum = given(b, c);
+  if (!Watch::jumped(before, sum, now)) return;
+  watched.suspects.push_back({kName, b.object, before, now, sum, double(b.total_mass), bodies.size() > 1, kSoftCure});
+}
+
+// J
+double Soft::held(const StepContext& c) {
+  double sum = 0;
+  for (const auto& b : impl_->bodies) {
+    sum += b->kinetic_before;
+    if (b->active() && b->began.size() == b->size()) sum += impl_->given(*b, c);
+  }
+  return sum;
+}
+
+}  // namespace feder
