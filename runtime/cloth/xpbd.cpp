@@ -7,10 +7,10 @@
 // group of solver substeps, before the middle one: a drift, a kick and a drift (Tuckerman, Berne and Martyna 1992), so
 // cloth carried by hinges is at rest at the group's ends, g H^2/8 above its true position for groups of H. Not in
 // groups where cloth lies on cloth: shreds in a tangle have hinges that turn over within a group. Where
-// max_substeps allows fewer solver substeps than the sheet needs, up to four sweeps make up for some. Kept between steps:
-// batches of the mesh. Weak spot: one sweep carries forces across few rows; the strain that is left, 2 g n^2 h^2/L for
-// n rows, sets the number of solver substeps (step.cpp), so light cloth stretches more than its material under heavy
-// bodies that lie on it. What sweeps add of angular momentum step.cpp takes out.
+// max_substeps allows fewer solver substeps than the sheet needs, up to four sweeps make up for some. Kept between
+// steps: batches of the mesh. Weak spot: one sweep carries forces across few rows; the strain that is left, 2 g n^2
+// h^2/L for n rows, sets the number of solver substeps (step.cpp), so light cloth stretches more than its material
+// under heavy bodies that lie on it. What sweeps add of angular momentum step.cpp takes out.
 #include <algorithm>
 #include <cmath>
 
