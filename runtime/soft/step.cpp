@@ -186,7 +186,9 @@ void Soft::Impl::read_velocities(StepContext& c) {
       }
       if (!u.isZero(0)) surfaces.velocity[i].add(u), b.touched = true;
       const Vec3 last = b.contact[k], now = u / g.step;
-      b.steady_contact[k] = dot(now, last) > 0 ? (dot(now, now) < dot(last, last) ? now : last) : Vec3(0, 0, 0);
+      // none where something hangs from it, which answers to the damping a step late
+      const bool steady = !b.linked && dot(now, last) > 0;
+      b.steady_contact[k] = steady ? (dot(now, now) < dot(last, last) ? now : last) : Vec3(0, 0, 0);
       b.contact[k] = now;
     }
   });

@@ -22,8 +22,8 @@ local function place(s) return { range(-s, s), range(0.1, 3), range(-s, s) } end
 
 local world = feder.world { substeps = whole(1, 5), threads = whole(1, 2), rigid = chance(0.3) and { solver = "impulse" } or nil }
 local o = { body = {}, joint = {}, net = {}, cloth = {}, fluid = {}, force = {}, emitter = {}, drain = {}, region = {}, connection = {} }
-local ropes = SEED % 2 == 1  -- and soft bodies; the others keep the course they had before there were any
-if ropes then o.rope, o.soft = {}, {} end
+local ropes = SEED % 2 == 1  -- the others keep the course they had before there were ropes
+if ropes then o.rope = {} end
 local names = {}
 for name in pairs(o) do names[#names + 1] = name end
 table.sort(names)
@@ -36,8 +36,8 @@ local function drop(kind)
     if kind == "connection" then thing:disconnect() else thing:destroy() end
   end
 end
-local KINDS = { "body", "net", "cloth", "fluid", ropes and "rope" or nil, ropes and "soft" or nil }
-local POINTS = { "net", "cloth", ropes and "rope" or nil, ropes and "soft" or nil }
+local KINDS = { "body", "net", "cloth", "fluid", ropes and "rope" or nil }
+local POINTS = { "net", "cloth", ropes and "rope" or nil }
 local function anything() return pick(o[pick(KINDS)]) end
 local function soft() return pick(o[pick(POINTS)]) end
 
@@ -97,15 +97,6 @@ local function new_rope()
     segments = straight and whole(1, 24) or nil, radius = range(0.004, 0.04), density = 10 ^ range(1, 4), stretch = 10 ^ range(1, 6),
     bend = chance(0.5) and 10 ^ range(-4, 1) or nil, damping = range(0, 0.01), friction = range(0, 1), self_collision = chance(0.7),
     pins = chance(0.4) and pick { "first", "last_clamped", { 1, 2 } } or nil, drag = chance(0.2) and range(0, 2) or nil })
-end
-local function new_soft()
-  if #o.soft > 2 then return drop("soft") end
-  local filled = chance(0.7)
-  return keep("soft", world:soft { shape = filled and shape() or nil, resolution = filled and whole(1, 4) or nil,
-    points = not filled and { place(1), place(1), place(1), place(1), place(1) } or nil,
-    tetrahedra = not filled and { { 1, 2, 3, 4 }, { 2, 3, 4, 5 } } or nil, position = place(1), density = 10 ^ range(1, 4),
-    young = 10 ^ range(3, 7), poisson = range(-0.5, 0.49), damping = range(0, 0.02), friction = range(0, 1), self_collision = chance(0.7),
-    thickness = chance(0.3) and range(0.005, 0.05) or nil, max_substeps = 20, pins = chance(0.3) and { 1, 2 } or nil })
 end
 local function new_fluid()
   if #o.fluid > 1 then return drop("fluid") end
@@ -180,14 +171,11 @@ operations = {
   end,
 }
 if ropes then
-  for _, operation in ipairs { new_rope, new_rope, new_soft, new_soft,
+  for _, operation in ipairs { new_rope, new_rope,
     function() local n = soft() n:attach(whole(1, n:count()), soft()) end,
     function() local r = pick(o.rope) r:apply_impulse(whole(1, r:count()), vector(1)) end,
     function() local r = pick(o.rope) if chance(0.5) then r:sleep() else r:wake() end end,
     function() local r = pick(o.rope) r:tension(1) r:length() r:positions() r:strain() r:mass() end,
-    function() local s = pick(o.soft) s:apply_impulse(whole(1, s:count()), vector(1)) end,
-    function() local s = pick(o.soft) if chance(0.5) then s:sleep() else s:wake() end end,
-    function() local s = pick(o.soft) s:volume() s:strain() s:inverted() s:points() s:strain(1) s:tetrahedron(1) s:substeps() end,
   } do operations[#operations + 1] = operation end
 end
 for _, name in ipairs(names) do
