@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "feder/stability.h"
+#include "feder/study.h"
 #include "report/machine.h"
 #include "report/study_figures.h"
 

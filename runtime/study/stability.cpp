@@ -1,8 +1,7 @@
 // The table of problems, verdicts of traces, and maps.
-#include "feder/stability.h"
-
 #include <algorithm>
 
+#include "feder/study.h"
 #include "study/stability_problem.h"
 
 namespace feder {

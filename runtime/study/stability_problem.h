@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "feder/net.h"
-#include "feder/stability.h"
+#include "feder/study.h"
 #include "study/worlds.h"
 
 namespace feder {

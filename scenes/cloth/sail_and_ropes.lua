@@ -50,10 +50,9 @@ return feder.scene {
       area_density = 0.3, stretch = 60000, shear = 20000, bend = 1e-3, damping = 0.01, thickness = 0.012,
       self_collision = false, color = "#ece6d8",
       substeps = 24 }  -- of its own choice it takes half as many, and its light corners give way to the ropes
-    local line = { radius = 0.006, density = 900, stretch = 60000, damping = 0.01, self_collision = false, color = "#3f5f8a" }
     local function rope(name, from, to, segments)
-      line.name, line.from, line.to, line.segments = name, from, to, segments
-      return world:rope(line)
+      return world:rope { name = name, from = from, to = to, segments = segments, radius = 0.006, density = 900,
+        stretch = 60000, damping = 0.01, self_collision = false, color = "#3f5f8a" }
     end
     scene.halyard = rope("halyard", masthead, head, 10)
     scene.halyard:attach(1, scene.mast)

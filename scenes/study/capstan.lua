@@ -52,7 +52,7 @@ return feder.scene {
     for i = straight, 1, -1 do add(path * math.cos(phi) - i * step * math.sin(phi), path * math.sin(phi) + i * step * math.cos(phi)) end
     for i = 0, n do add(path * math.cos(phi - phi * i / n), path * math.sin(phi - phi * i / n)) end
     for i = 1, straight do add(path, -i * step) end
-    rope = world:rope { name = "rope", points = points, radius = radius, friction = mu, pins = "first", gravity_scale = 0,
+    rope = world:rope { name = "rope", points = points, radius = radius, friction = mu, pins = { "first" }, gravity_scale = 0,
       self_collision = false }  -- in one plane, where more than a turn passes through itself
     local size = 0.1
     local weight = world:body { name = "weight", shape = feder.box(size, size, size), mass = mass, mask = 0,

@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 
-# worst first, as in feder/stability.h
+# worst first, as in feder/study.h
 ORDER = ["nan", "diverged", "growing", "stuck", "damped", "inaccurate", "slow", "refused", "stable"]
 KEY = ("problem", "method", "x", "y")
 # nets by every integrator, bodies, cloth and fluids by every solver of theirs

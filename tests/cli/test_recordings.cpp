@@ -53,6 +53,9 @@ TEST_CASE("every scene, with an edit in the middle, is the same in its replay at
       host.print = [](std::string_view) {};
       host.library_roots = {FEDER_SOURCE_DIR "/scripts"};
       host.load_yaml = yaml::push;
+#ifdef FEDER_HAS_MESHES
+      host.load_mesh = meshes::read;
+#endif
       host.made = [&](World& world) { recorder.add(world), worlds.push_back(&world); };
       lua::Script script(host);
       script.load_file(file);

@@ -1,7 +1,7 @@
 // Stability maps: limits against theory, verdicts that must not be, and the thresholds at work.
 #include <set>
 
-#include "feder/stability.h"
+#include "feder/study.h"
 #include "integrate/integrator.h"
 #include "support/catch.h"
 
