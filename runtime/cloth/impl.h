@@ -6,7 +6,7 @@
 #include "base/double3.h"
 #include "cloth/sheet.h"
 #include "feder/force.h"
-#include "forces/forces.h"
+#include "forces/work_bound.h"
 #include "state/cloth_vertices.h"
 #include "state/command_log.h"
 #include "state/surface.h"
@@ -119,11 +119,7 @@ struct Cloth::Impl {
   // Calls f(entry) for the generators that act on the cloth.
   template <class F>
   void each_force(const Sheet& s, F&& f) const {
-    const Forces* forces = store.find<Forces>();
-    if (!forces) return;
-    const TagMask tags = objects.tags(s.object);
-    for (const ForceEntry& entry : forces->list)
-      if (acts_on(entry, s.object, tags)) f(entry);
+    each_acting(store.find<Forces>(), s.object, objects.tags(s.object), f);
   }
   // A vertex as generators see it, at the position and velocity of ClothVertices.
   MassPoint mass_point(const Sheet& s, std::uint32_t i) const {

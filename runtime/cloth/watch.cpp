@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "cloth/impl.h"
+#include "forces/work_bound.h"
 
 namespace feder {
 namespace {
@@ -20,47 +21,20 @@ double Cloth::Impl::kinetic_energy(const Sheet& s) const {
                 static_cast<double>(sum[3]));
 }
 
-// Upper bound of the work of weight, wind, scripts and generators in the step, J: mass times acceleration times
-// displacement. For a generator with a potential it is the loss of potential instead: where one is too stiff for the
-// step, force times displacement would explain any energy.
+// Upper bound of the work of weight, wind, scripts and generators in the step, J.
 double Cloth::Impl::work(const Sheet& s, const StepContext& c) const {
-  double all = 0;
-  for (std::uint32_t i = s.first; i < s.first + s.points; ++i)
-    if (vertices.inv_mass[i] != 0)
-      all += number(vertices.mass[i]) * number(length(acceleration[i])) * number(length(delta_position[i].vec()));
-  // generators one by one: loss of potential, or force times displacement
-  double fall = 0, rest = 0;
-  bool held = false, area = false;
-  each_force(s, [&](const ForceEntry& f) {
-    area = area || f.force->on_area();
-    double potential[2] = {0, 0}, push = 0;
-    for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
-      MassPoint point = mass_point(s, i);
-      Vec3 force_before = Vec3::Zero(), force_after = Vec3::Zero();
-      potential[1] += f.force->potential(&point, 1);
-      f.force->add(&point, 1, c.time + number(c.dt), &force_after);
-      if (vertices.inv_mass[i] != 0) point.position -= delta_position[i].vec();
-      potential[0] += f.force->potential(&point, 1);
-      f.force->add(&point, 1, c.time, &force_before);
-      if (vertices.inv_mass[i] != 0)
-        push += number(std::max(length(force_before), length(force_after))) * number(length(delta_position[i].vec()));
-    }
-    const bool conserves = potential[0] != 0 || potential[1] != 0;
-    held = held || conserves;
-    if (conserves)
-      fall += std::fmax(potential[0] - potential[1], 0.0);
-    else
-      rest += push;
-  });
-  // with a potential: that, and the work of weight and scripts
-  if (!held || area) return all;
-  for (std::uint32_t i = s.first; i < s.first + s.points; ++i) {
-    if (vertices.inv_mass[i] == 0) continue;
-    const double weight =
-        number(vertices.mass[i]) * number(length(gravity)) * std::fabs(number(s.settings.gravity_scale));
-    rest += (weight + number(length(vertices.script_force[i]))) * number(length(delta_position[i].vec()));
-  }
-  return std::fmin(all, fall + rest);
+  const double g = number(length(gravity)) * std::fabs(number(s.settings.gravity_scale));
+  return work_bound(
+      s.points, c, [&](auto&& f) { each_force(s, f); }, [&](std::uint32_t k) { return mass_point(s, s.first + k); },
+      [&](std::uint32_t k) {
+        const Vec3& x = vertices.position[s.first + k];
+        return vertices.inv_mass[s.first + k] == 0 ? x : Vec3(x - delta_position[s.first + k].vec());
+      },
+      [&](std::uint32_t k) {
+        const std::uint32_t i = s.first + k;
+        const double m = number(vertices.mass[i]);
+        return PointForces{m * number(length(acceleration[i])), m * g + number(length(vertices.script_force[i]))};
+      });
 }
 
 // Energy that the step may have given, J: strain at its start, and work. Uses the displacements of the step, so it is

@@ -75,6 +75,7 @@ void Rope::set_velocity(ObjectId id, std::size_t i, const Vec3& v) {
   const std::uint32_t at = impl_->point(id, i);
   check_vector(v, "set_velocity");
   Line& l = impl_->line(id);
+  if (l.state.frozen) return;
   impl_->wake(l, WakeCause::script, {});
   if (l.inv_mass[at] != 0) l.velocity[at] = v;
 }
@@ -84,6 +85,7 @@ void Rope::apply_impulse(ObjectId id, std::size_t i, const Vec3& impulse) {
   const std::uint32_t at = impl_->point(id, i);
   check_vector(impulse, "apply_impulse");
   Line& l = impl_->line(id);
+  if (l.state.frozen) return;
   impl_->wake(l, WakeCause::script, {});
   l.velocity[at] += l.inv_mass[at] * impulse;
 }
@@ -165,10 +167,7 @@ void Rope::sleep(ObjectId id) {
 
 void Rope::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local) {
   const Command command(impl_->commands, "rope.attach", id, i, body, local);
-  const std::uint32_t at = impl_->point(id, i);
-  if (!impl_->objects.alive(body) || impl_->objects.kind(body) != kBodyKind)
-    throw SceneError("attach: expected a living body, got " + impl_->objects.describe(body));
-  hold_point(impl_->store, impl_->objects, id, at, body, 0, local);
+  hold_to_body(impl_->store, impl_->objects, id, impl_->point(id, i), body, local);
   *impl_->structure_changed = true;
 }
 

@@ -7,7 +7,7 @@
 #include "feder/error.h"
 #include "feder/force.h"
 #include "feder/rope.h"
-#include "forces/forces.h"
+#include "forces/work_bound.h"
 #include "rope/chain.h"
 #include "state/arrays.h"
 #include "state/command_log.h"
@@ -164,11 +164,7 @@ struct Rope::Impl {
   }
   template <class F>
   void each_force(const Line& l, F&& f) const {
-    const Forces* all = store.find<Forces>();
-    if (!all) return;
-    const TagMask tags = objects.tags(l.object);
-    for (const ForceEntry& entry : all->list)
-      if (acts_on(entry, l.object, tags)) f(entry);
+    each_acting(store.find<Forces>(), l.object, objects.tags(l.object), f);
   }
   MassPoint mass_point(const Line& l, std::uint32_t i) const {
     const Real volume = l.mass[i] / l.settings.density;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forces/work_bound.h"
 #include "rope/impl.h"
 
 namespace feder {
@@ -18,41 +19,16 @@ double Line::kinetic_energy() const {
   return 0.5 * sum;
 }
 
-// Upper bound of the work of weight, air, scripts and generators in the step, J: force times path. For a generator
-// with a potential it is the loss of potential instead: where one is too stiff for the step, force times path would
-// explain any energy.
+// Upper bound of the work of weight, air, scripts and generators in the step, J.
 double Rope::Impl::work(const Line& l, const StepContext& c) const {
-  double all = 0, weight = 0, fall = 0, push = 0;
-  bool held = false, area = false;
-  const auto path = [&](std::uint32_t i) { return scalar(length(Vec3(l.position[i] - l.began[i]))); };
   const double g = scalar(length(gravity)) * std::fabs(scalar(l.settings.gravity_scale));
-  for (std::uint32_t i = 0; i < l.size(); ++i) {
-    if (l.inv_mass[i] == 0) continue;
-    const double m = scalar(l.mass[i]);
-    all += m * scalar(length(l.acceleration[i])) * path(i);
-    weight += (m * g + scalar(length(l.script_force[i]))) * path(i);
-  }
-  each_force(l, [&](const ForceEntry& f) {
-    area = area || f.force->on_area();
-    double potential[2] = {0, 0}, most = 0;
-    for (std::uint32_t i = 0; i < l.size(); ++i) {
-      MassPoint point = mass_point(l, i);
-      Vec3 before = Vec3::Zero(), after = Vec3::Zero();
-      potential[1] += f.force->potential(&point, 1);
-      f.force->add(&point, 1, c.time + scalar(c.dt), &after);
-      point.position = l.began[i];
-      potential[0] += f.force->potential(&point, 1);
-      f.force->add(&point, 1, c.time, &before);
-      if (l.inv_mass[i] != 0) most += scalar(std::max(length(before), length(after))) * path(i);
-    }
-    const bool conserves = potential[0] != 0 || potential[1] != 0;
-    held = held || conserves;
-    if (conserves)
-      fall += std::fmax(potential[0] - potential[1], 0.0);
-    else
-      push += most;
-  });
-  return !held || area ? all : std::fmin(all, fall + push + weight);
+  return work_bound(
+      l.size(), c, [&](auto&& f) { each_force(l, f); }, [&](std::uint32_t i) { return mass_point(l, i); },
+      [&](std::uint32_t i) { return l.inv_mass[i] != 0 ? l.began[i] : l.position[i]; },
+      [&](std::uint32_t i) {
+        const double m = scalar(l.mass[i]);
+        return PointForces{m * scalar(length(l.acceleration[i])), m * g + scalar(length(l.script_force[i]))};
+      });
 }
 
 // Energy that the step may have given, J: strain at its start, work, and what penetration and gaps of attachments are

@@ -102,10 +102,7 @@ void Soft::sleep(ObjectId id) {
 
 void Soft::attach(ObjectId id, std::size_t i, ObjectId body, const Vec3& local) {
   const Command command(impl_->commands, "soft.attach", id, i, body, local);
-  const std::uint32_t at = impl_->point(id, i);
-  if (!impl_->objects.alive(body) || impl_->objects.kind(body) != kBodyKind)
-    throw SceneError("attach: expected a living body, got " + impl_->objects.describe(body));
-  hold_point(impl_->store, impl_->objects, id, at, body, 0, local);
+  hold_to_body(impl_->store, impl_->objects, id, impl_->point(id, i), body, local);
   *impl_->structure_changed = true;
 }
 

@@ -7,7 +7,7 @@
 #include "feder/error.h"
 #include "feder/force.h"
 #include "feder/soft.h"
-#include "forces/forces.h"
+#include "forces/work_bound.h"
 #include "soft/solver.h"
 #include "soft/tetrahedra.h"
 #include "state/arrays.h"
@@ -155,13 +155,12 @@ struct Soft::Impl {
         if (b.active() && b.prepared) f(b);
       }
   }
+  // Wind, which acts on areas, does not act on soft bodies.
   template <class F>
   void each_force(const SoftBody& b, F&& f) const {
-    const Forces* all = store.find<Forces>();
-    if (!all) return;
-    const TagMask tags = objects.tags(b.object);
-    for (const ForceEntry& entry : all->list)
-      if (acts_on(entry, b.object, tags)) f(entry);
+    each_acting(store.find<Forces>(), b.object, objects.tags(b.object), [&](const ForceEntry& entry) {
+      if (!entry.force->on_area()) f(entry);
+    });
   }
   // A point as generators see it, with the volume of its share of the tetrahedra and the area of a ball of it.
   MassPoint mass_point(const SoftBody& b, std::uint32_t i) const;

@@ -142,7 +142,6 @@ void Soft::Impl::add_forces(SoftBody& b, StepContext& c) {
   forces.assign(b.script_force.begin(), b.script_force.end());
   points.clear();
   each_force(b, [&](const ForceEntry& f) {
-    if (f.force->on_area()) return;
     if (points.empty())
       for (std::uint32_t i = 0; i < b.size(); ++i) {
         MassPoint p = mass_point(b, i);

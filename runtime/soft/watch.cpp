@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "forces/work_bound.h"
 #include "soft/impl.h"
 
 namespace feder {
@@ -17,41 +18,16 @@ double SoftBody::kinetic_energy() const {
   return 0.5 * sum;
 }
 
-// Upper bound of the work of weight, scripts and generators in the step, J: force times path. For a generator with a
-// potential it is the loss of potential instead: where one is too stiff for the step, force times path would explain
-// any energy.
+// Upper bound of the work of weight, scripts and generators in the step, J.
 double Soft::Impl::work(const SoftBody& b, const StepContext& c) const {
-  const auto path = [&](std::uint32_t i) {
-    return b.inv_mass[i] != 0 ? double(length(Vec3(b.position[i] - b.began[i]))) : 0.0;
-  };
-  double all = 0, weight = 0, fall = 0, push = 0;
   const double g = double(length(gravity)) * std::fabs(double(b.settings.gravity_scale));
-  for (std::uint32_t i = 0; i < b.size(); ++i) {
-    all += double(b.mass[i]) * double(length(b.acceleration[i])) * path(i);
-    weight += (double(b.mass[i]) * g + double(length(b.script_force[i]))) * path(i);
-  }
-  bool held = false;
-  each_force(b, [&](const ForceEntry& f) {
-    if (f.force->on_area()) return;
-    double potential[2] = {0, 0}, most = 0;
-    for (std::uint32_t i = 0; i < b.size(); ++i) {
-      MassPoint point = mass_point(b, i);
-      Vec3 before = Vec3::Zero(), after = Vec3::Zero();
-      potential[1] += f.force->potential(&point, 1);
-      f.force->add(&point, 1, c.time + double(c.dt), &after);
-      point.position = b.began[i];
-      potential[0] += f.force->potential(&point, 1);
-      f.force->add(&point, 1, c.time, &before);
-      most += double(std::max(length(before), length(after))) * path(i);
-    }
-    const bool conserves = potential[0] != 0 || potential[1] != 0;
-    held = held || conserves;
-    if (conserves)
-      fall += std::fmax(potential[0] - potential[1], 0.0);
-    else
-      push += most;
-  });
-  return held ? std::fmin(all, fall + push + weight) : all;
+  return work_bound(
+      b.size(), c, [&](auto&& f) { each_force(b, f); }, [&](std::uint32_t i) { return mass_point(b, i); },
+      [&](std::uint32_t i) { return b.inv_mass[i] != 0 ? b.began[i] : b.position[i]; },
+      [&](std::uint32_t i) {
+        const double m = double(b.mass[i]);
+        return PointForces{m * double(length(b.acceleration[i])), m * g + double(length(b.script_force[i]))};
+      });
 }
 
 // Energy that the step may have given, J: strain at its start, work, and what overlap and gaps of attachments are

@@ -47,6 +47,12 @@ void hold_point(Store& store, const Objects& objects, ObjectId a, std::size_t i,
   wake_linked(store, objects, a), wake_linked(store, objects, b);
 }
 
+void hold_to_body(Store& store, const Objects& objects, ObjectId a, std::size_t i, ObjectId body, const Vec3& local) {
+  if (!objects.alive(body) || objects.kind(body) != kBodyKind)
+    throw SceneError("attach: expected a living body, got " + objects.describe(body));
+  hold_point(store, objects, a, i, body, 0, local);
+}
+
 bool release_point(Store& store, const Objects& objects, ObjectId a, std::size_t i) {
   SurfaceLinks* links = store.find<SurfaceLinks>();
   if (!links) return false;

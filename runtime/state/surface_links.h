@@ -36,6 +36,8 @@ struct SurfaceLinks {
 // both points are one. Systems call it for `a`, whose index they have checked.
 void hold_point(Store& store, const Objects& objects, ObjectId a, std::size_t i, ObjectId b, std::size_t j,
                 const Vec3& local);
+// The same for a body alone.
+void hold_to_body(Store& store, const Objects& objects, ObjectId a, std::size_t i, ObjectId body, const Vec3& local);
 // Ends all links of that point; false when there are none.
 bool release_point(Store& store, const Objects& objects, ObjectId a, std::size_t i);
 

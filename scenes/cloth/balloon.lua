@@ -1,38 +1,11 @@
 -- A balloon is blown up on the floor until its skin bears the pressure, and a crate falls on it.
 local feder = require "feder"
+local cloth = require "feder.cloth"
 
 local pressure = feder.param("pressure", 400, { min = 50, max = 1000, help = "of the gas, Pa" })
 local level = feder.param("level", 3, { min = 1, max = 4, help = "of the mesh" })
 
 local radius, stretch = 0.5, 3000
-
--- An octahedron whose triangles are divided and drawn onto a sphere.
-local function ball(levels)
-  local points = { { 1, 0, 0 }, { -1, 0, 0 }, { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { 0, 0, -1 } }
-  local triangles = { { 1, 3, 5 }, { 3, 2, 5 }, { 2, 4, 5 }, { 4, 1, 5 }, { 3, 1, 6 }, { 2, 3, 6 }, { 4, 2, 6 }, { 1, 4, 6 } }
-  for _ = 1, levels do
-    local known, finer = {}, {}
-    local function middle(a, b)
-      local key = math.min(a, b) * 100000 + math.max(a, b)
-      if not known[key] then
-        local p, q = points[a], points[b]
-        local x, y, z = p[1] + q[1], p[2] + q[2], p[3] + q[3]
-        local size = math.sqrt(x * x + y * y + z * z)
-        points[#points + 1] = { x / size, y / size, z / size }
-        known[key] = #points
-      end
-      return known[key]
-    end
-    for _, t in ipairs(triangles) do
-      local a, b, c = t[1], t[2], t[3]
-      local ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
-      for _, n in ipairs { { a, ab, ca }, { ab, b, bc }, { ca, bc, c }, { ab, bc, ca } } do finer[#finer + 1] = n end
-    end
-    triangles = finer
-  end
-  for _, p in ipairs(points) do p[1], p[2], p[3] = radius * p[1], radius * p[2], radius * p[3] end
-  return points, triangles
-end
 
 return feder.scene {
   title = "Balloon",
@@ -41,7 +14,7 @@ return feder.scene {
 
   build = function(world, scene)
     world:body { name = "floor", type = "static", shape = feder.plane(), friction = 0.6 }
-    local points, triangles = ball(level)
+    local points, triangles = cloth.sphere(radius, level, 8)
     scene.balloon = world:cloth { name = "balloon", vertices = points, triangles = triangles,
       position = { 0, radius + 0.01, 0 }, area_density = 0.15, stretch = stretch, damping = 0.01, self_collision = false,
       friction = 0.6, color = "#c8423b" }

@@ -1,6 +1,7 @@
 -- A closed sphere of cloth under pressure: its skin bears p R/2 in all directions (Laplace 1806). The tension T is that of
 -- the growth e of its links, which as a lattice have Young's modulus `stretch` and Poisson's ratio 1/3.
 local feder = require "feder"
+local cloth = require "feder.cloth"
 local problem = require "feder.problem"
 
 local solvers = feder.choices("cloth.solver")
@@ -16,54 +17,8 @@ local radius, stretch, area_density = 0.5, 3000, 0.15
 local growth = 0
 for _ = 1, 100 do growth = pressure * radius * (1 + growth) ^ 2 / (3 * stretch) end
 
--- An icosahedron whose triangles are divided and drawn onto a sphere: nearly equal links, nearly equal angles.
-local points, triangles, golden = {}, {}, (1 + math.sqrt(5)) / 2
-for _, a in ipairs { 1, -1 } do
-  for _, b in ipairs { golden, -golden } do
-    for _, p in ipairs { { 0, a, b }, { a, b, 0 }, { b, 0, a } } do
-      for k = 1, 3 do p[k] = p[k] / math.sqrt(1 + golden ^ 2) end
-      points[#points + 1] = p
-    end
-  end
-end
-local function near(p, q) return (p[1] - q[1]) ^ 2 + (p[2] - q[2]) ^ 2 + (p[3] - q[3]) ^ 2 < 1.2 end
-for i = 1, 12 do
-  for j = i + 1, 12 do
-    for k = j + 1, 12 do
-      local p, q, r = points[i], points[j], points[k]
-      if near(p, q) and near(q, r) and near(r, p) then
-        local volume = p[1] * (q[2] * r[3] - q[3] * r[2]) + p[2] * (q[3] * r[1] - q[1] * r[3]) + p[3] * (q[1] * r[2] - q[2] * r[1])
-        triangles[#triangles + 1] = volume > 0 and { i, j, k } or { i, k, j }
-      end
-    end
-  end
-end
-for _ = 1, level do
-  local known, finer = {}, {}
-  local function middle(a, b)
-    local key = math.min(a, b) * 1000000 + math.max(a, b)
-    if not known[key] then
-      local p, q = points[a], points[b]
-      local x, y, z = p[1] + q[1], p[2] + q[2], p[3] + q[3]
-      local size = math.sqrt(x * x + y * y + z * z)
-      points[#points + 1] = { x / size, y / size, z / size }
-      known[key] = #points
-    end
-    return known[key]
-  end
-  for _, t in ipairs(triangles) do
-    local a, b, c = t[1], t[2], t[3]
-    local ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
-    for _, n in ipairs { { a, ab, ca }, { ab, b, bc }, { ca, bc, c }, { ab, bc, ca } } do finer[#finer + 1] = n end
-  end
-  triangles = finer
-end
-
-local function scaled(size)
-  local list = {}
-  for i, p in ipairs(points) do list[i] = { size * p[1], size * p[2], size * p[3] } end
-  return list
-end
+local function scaled(size) return (cloth.sphere(size, level, 20)) end
+local _, triangles = cloth.sphere(radius, level, 20)
 local rest = scaled(radius * (1 + growth))
 
 -- Area and volume of the mesh with its points one after the other in `x`.

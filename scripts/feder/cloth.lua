@@ -91,4 +91,67 @@ function cloth.tube(radius, height, around, along)
   return vertices, triangles
 end
 
+-- The points and triangles of the octahedron (8 faces) and the icosahedron (20), on the unit sphere.
+local function solid(faces)
+  if faces == 8 then
+    return { { 1, 0, 0 }, { -1, 0, 0 }, { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { 0, 0, -1 } },
+      { { 1, 3, 5 }, { 3, 2, 5 }, { 2, 4, 5 }, { 4, 1, 5 }, { 3, 1, 6 }, { 2, 3, 6 }, { 4, 2, 6 }, { 1, 4, 6 } }
+  end
+  local points, triangles, golden = {}, {}, (1 + math.sqrt(5)) / 2
+  for _, a in ipairs { 1, -1 } do
+    for _, b in ipairs { golden, -golden } do
+      for _, p in ipairs { { 0, a, b }, { a, b, 0 }, { b, 0, a } } do
+        for k = 1, 3 do p[k] = p[k] / math.sqrt(1 + golden ^ 2) end
+        points[#points + 1] = p
+      end
+    end
+  end
+  local function near(p, q) return (p[1] - q[1]) ^ 2 + (p[2] - q[2]) ^ 2 + (p[3] - q[3]) ^ 2 < 1.2 end
+  for i = 1, 12 do
+    for j = i + 1, 12 do
+      for k = j + 1, 12 do
+        local p, q, r = points[i], points[j], points[k]
+        if near(p, q) and near(q, r) and near(r, p) then
+          local volume = p[1] * (q[2] * r[3] - q[3] * r[2]) + p[2] * (q[3] * r[1] - q[1] * r[3])
+            + p[3] * (q[1] * r[2] - q[2] * r[1])
+          triangles[#triangles + 1] = volume > 0 and { i, j, k } or { i, k, j }
+        end
+      end
+    end
+  end
+  return points, triangles
+end
+
+-- sphere(radius, levels, faces): a closed sphere, from an octahedron (faces = 8) or an icosahedron (20: nearly equal
+-- edges and angles) whose triangles are divided into four `levels` times; returns vertices, triangles.
+function cloth.sphere(radius, levels, faces)
+  whole("sphere.levels", levels, 0)
+  if faces ~= 8 and faces ~= 20 then
+    error(("sphere.faces: expected 8 or 20, got %s"):format(tostring(faces)), 2)
+  end
+  local points, triangles = solid(faces)
+  for _ = 1, levels do
+    local known, finer = {}, {}
+    local function middle(a, b)
+      local key = math.min(a, b) * 1000000 + math.max(a, b)
+      if not known[key] then
+        local p, q = points[a], points[b]
+        local x, y, z = p[1] + q[1], p[2] + q[2], p[3] + q[3]
+        local size = math.sqrt(x * x + y * y + z * z)
+        points[#points + 1] = { x / size, y / size, z / size }
+        known[key] = #points
+      end
+      return known[key]
+    end
+    for _, t in ipairs(triangles) do
+      local a, b, c = t[1], t[2], t[3]
+      local ab, bc, ca = middle(a, b), middle(b, c), middle(c, a)
+      for _, n in ipairs { { a, ab, ca }, { ab, b, bc }, { ca, bc, c }, { ab, bc, ca } } do finer[#finer + 1] = n end
+    end
+    triangles = finer
+  end
+  for _, p in ipairs(points) do p[1], p[2], p[3] = radius * p[1], radius * p[2], radius * p[3] end
+  return points, triangles
+end
+
 return cloth

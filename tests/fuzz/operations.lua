@@ -22,6 +22,8 @@ local function place(s) return { range(-s, s), range(0.1, 3), range(-s, s) } end
 
 local world = feder.world { substeps = whole(1, 5), threads = whole(1, 2), rigid = chance(0.3) and { solver = "impulse" } or nil }
 local o = { body = {}, joint = {}, net = {}, cloth = {}, fluid = {}, force = {}, emitter = {}, drain = {}, region = {}, connection = {} }
+local ropes = SEED % 2 == 1  -- the others keep the course they had before there were ropes
+if ropes then o.rope = {} end
 local names = {}
 for name in pairs(o) do names[#names + 1] = name end
 table.sort(names)
@@ -34,7 +36,10 @@ local function drop(kind)
     if kind == "connection" then thing:disconnect() else thing:destroy() end
   end
 end
-local function anything() return pick(o[pick { "body", "net", "cloth", "fluid" }]) end
+local KINDS = { "body", "net", "cloth", "fluid", ropes and "rope" or nil }
+local POINTS = { "net", "cloth", ropes and "rope" or nil }
+local function anything() return pick(o[pick(KINDS)]) end
+local function soft() return pick(o[pick(POINTS)]) end
 
 local function shape()
   local s = range(0.1, 0.7)
@@ -84,6 +89,15 @@ local function new_cloth()
     thickness = range(0.005, 0.03), tear_strain = chance(0.3) and range(0.05, 0.5) or nil, area_density = range(0.1, 1),
     rotation = { axis = { 1, 0, 0 }, angle = range(0, 3) }, pins = chance(0.4) and { "top_left", 1 } or nil })
 end
+local function new_rope()
+  local n, points, at = whole(2, 24), {}, place(1)
+  for i = 1, n do points[i] = { at[1] + 0.06 * i, at[2] + range(-0.03, 0.03), at[3] } end
+  local straight = chance(0.5)
+  return keep("rope", world:rope { points = not straight and points or nil, from = straight and at or nil, to = straight and place(1) or nil,
+    segments = straight and whole(1, 24) or nil, radius = range(0.004, 0.04), density = 10 ^ range(1, 4), stretch = 10 ^ range(1, 6),
+    bend = chance(0.5) and 10 ^ range(-4, 1) or nil, damping = range(0, 0.01), friction = range(0, 1), self_collision = chance(0.7),
+    pins = chance(0.4) and pick { "first", "last_clamped", { 1, 2 } } or nil, drag = chance(0.2) and range(0, 2) or nil })
+end
 local function new_fluid()
   if #o.fluid > 1 then return drop("fluid") end
   local spacing = range(0.08, 0.14)
@@ -123,12 +137,12 @@ operations = {
   function() if chance(0.5) then pick(o.body):sleep() else pick(o.body):wake() end end,
   function() pick(o.joint):set_motor(range(-9, 9), range(0, 1000)) end,
   function() pick(o.joint):set_limits(range(-1, 0), range(0, 1)) end,
-  function() local n = pick(o[pick { "net", "cloth" }]) n:set_point(whole(1, n:count()), vector(1)) end,
-  function() local n = pick(o[pick { "net", "cloth" }]) n:set_velocity(whole(1, n:count()), vector(9)) end,
-  function() local n = pick(o[pick { "net", "cloth" }]) n:pin(whole(1, n:count())) end,
-  function() local n = pick(o[pick { "net", "cloth" }]) n:unpin(whole(1, n:count())) end,
-  function() local n = pick(o[pick { "net", "cloth" }]) n:attach(whole(1, n:count()), pick(o.body), vector(0.2)) end,
-  function() local n = pick(o[pick { "net", "cloth" }]) n:detach(whole(1, n:count())) end,
+  function() local n = soft() n:set_point(whole(1, n:count()), vector(1)) end,
+  function() local n = soft() n:set_velocity(whole(1, n:count()), vector(9)) end,
+  function() local n = soft() n:pin(whole(1, n:count())) end,
+  function() local n = soft() n:unpin(whole(1, n:count())) end,
+  function() local n = soft() n:attach(whole(1, n:count()), pick(o.body), vector(0.2)) end,
+  function() local n = soft() n:detach(whole(1, n:count())) end,
   function() local n = pick(o.net) n:add_spring { whole(1, n:count()), whole(1, n:count()), stiffness = range(1, 5) } end,
   function() pick(o.net):remove_spring(whole(1, 3)) end,
   function() world:set_gravity(range(-3, 3), range(-12, 3), range(-3, 3)) end,
@@ -156,6 +170,14 @@ operations = {
     state = from
   end,
 }
+if ropes then
+  for _, operation in ipairs { new_rope, new_rope,
+    function() local n = soft() n:attach(whole(1, n:count()), soft()) end,
+    function() local r = pick(o.rope) r:apply_impulse(whole(1, r:count()), vector(1)) end,
+    function() local r = pick(o.rope) if chance(0.5) then r:sleep() else r:wake() end end,
+    function() local r = pick(o.rope) r:tension(1) r:length() r:positions() r:strain() r:mass() end,
+  } do operations[#operations + 1] = operation end
+end
 for _, name in ipairs(names) do
   operations[#operations + 1] = function() drop(name) end
   if name == "body" or name == "cloth" then operations[#operations + 1] = function() drop(name) end end

@@ -1,4 +1,7 @@
-// Ropes as a system: bad input, snapshots, threads, sleep, contact with bodies, what an empty world has of them.
+// Ropes as a system: bad input, quarantine, snapshots, threads, sleep, contact with bodies, what an empty world has of
+// them.
+#include <limits>
+
 #include "ropes.h"
 #include "state/bodies.h"
 
@@ -116,6 +119,20 @@ TEST_CASE("a ball thrown against a hung rope hands on its momentum", "[rope]") {
   }
   // it has not passed: the middle of the rope is before it
   CHECK(w.need<Rigid>().bodies().position[w.need<Rigid>().index(body)][0] < rope.point(id, 10)[0]);
+}
+
+TEST_CASE("a rope in quarantine stays at rest, whatever scripts do to it", "[rope]") {
+  World w(WorldDesc{}, catalog());
+  Rope& rope = w.need<Rope>();
+  const ObjectId id = rope.add_rope(straight_rope(Vec3(0, 3, 0), Vec3(1, 3, 0), 4));
+  rope.set_velocity(id, 2, Vec3(std::numeric_limits<Real>::max(), 0, 0));
+  w.step();
+  REQUIRE(rope.quarantined(id));
+  rope.set_velocity(id, 1, Vec3(1, 0, 0));
+  rope.apply_impulse(id, 3, Vec3(0, 1, 0));
+  for (std::size_t i = 0; i < 5; ++i) CHECK(rope.velocity(id, i).isZero(0));
+  w.step();
+  CHECK(rope.point(id, 2) == Vec3(Real(0.5), 3, 0));
 }
 
 TEST_CASE("what has no rope has no pass of ropes", "[rope]") {
