@@ -212,12 +212,12 @@ void SurfaceContact::Impl::remove_gained_momentum(const SurfaceGroup& g) {
     Vec3 gained = Vec3::Zero();
     std::swap(gained, gained_momentum[n]);
     if (gained.isZero(0) || s.pinned || !s.active) continue;
-    const std::uint32_t first = s.first;
+    const std::uint32_t first = s.first, count = s.count + s.inner;  // of a soft body its inside too
     Real total = 0;
-    for (std::uint32_t i = first; i < first + s.count; ++i) total += mass[i];
+    for (std::uint32_t i = first; i < first + count; ++i) total += mass[i];
     const Vec3 near = current_position(first);
     take_out_spin(
-        gained, s.count, total, 0, [&](std::uint32_t i) { return mass[first + i]; },
+        gained, count, total, 0, [&](std::uint32_t i) { return mass[first + i]; },
         [&](std::uint32_t i) { return Vec3(current_position(first + i) - near); },
         [&](std::uint32_t i, const Vec3& change) { velocity[first + i].add(change); });
   }
