@@ -52,6 +52,21 @@ struct BendEntry {
   Lane8 stiffness;  // N/m
 };
 
+// Eight triangles in still air.
+struct AirBatch {
+  unsigned v[3][kLanes];
+};
+
+struct AirPass {
+  const AirBatch* batches;
+  unsigned first, last;                           // range of batches
+  const WideReal *position, *velocity, *weights;  // Row4: m, m/s, and inverse masses as their fourth numbers
+  WideReal* push;                                 // Row4 by triangle: a third of its force, N
+  WideReal density, most, drag, lift, skin;       // as in still_air.h and forces/area.h
+  WideReal least, largest;                        // of normal numbers
+  WideReal taken;                                 // out: largest of what was asked for over what may be stopped
+};
+
 struct ClothPass {
   LinkBatch* links;
   HingeBatch* hinges;
@@ -87,6 +102,7 @@ struct ClothKernels {
   void (*damp_hinges)(const ClothPass&);
   void (*damp_begin)(const ClothPass&);
   void (*damp_stage)(const ClothPass&);
+  void (*still_air)(AirPass&);
 };
 
 extern const ClothKernels kClothKernelsPlain, kClothKernelsAvx2;

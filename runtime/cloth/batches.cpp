@@ -12,13 +12,18 @@
 #include "base/jobs.h"
 #include "base/wide.h"
 #include "cloth/dihedral.h"
+#include "cloth/long_links.h"
 
 namespace feder {
 namespace {
 constexpr JobGrain kBatchGrain{32, 3'000};  // batches per job
+constexpr JobGrain kBaseGrain{64, 4'000};   // likewise, where they only read positions
 constexpr std::uint32_t kColors = 64;
+// of the strain at which ties act, at which long links do: links between their ends stretch beyond
+constexpr Real kLongShare = Real(0.85);
 
 std::uint32_t direction(const ClothLink& l) { return l.b - l.a; }
+std::uint32_t direction(const LongLink& l) { return l.b - l.a; }
 std::uint32_t direction(const ClothHinge& h) { return h.v[1] > h.v[0] ? h.v[1] - h.v[0] : h.v[0] - h.v[1]; }
 }  // namespace
 
@@ -87,6 +92,7 @@ std::uint32_t ClothBatches::color(const Elements& elements, std::uint32_t total,
 }
 
 void ClothBatches::build(const ClothView& v) {
+  build_long(v);
   if (version_ == v.version) return;
   FEDER_ASSERT(v.mesh && v.total > v.points);
   version_ = v.version;
@@ -147,6 +153,28 @@ void ClothBatches::build(const ClothView& v) {
   if (quadratic_) quadratic_->build(v);
 }
 
+// Those that flow have no lengths that hold.
+void ClothBatches::build_long(const ClothView& v) {
+  if (long_version_ == v.version || v.flows || !(v.max_strain < kInfinity)) return;
+  long_version_ = v.version;
+  const std::vector<LongLink> all = long_links(*v.mesh, v.rest, v.points);
+  const std::uint32_t count = color(all, v.total, [](const LongLink& l, auto&& f) { f(l.a), f(l.b); });
+  LinkBatch empty{};
+  for (int i = 0; i < kLanes; ++i) empty.a[i] = empty.b[i] = v.total - 1;
+  long_links_.clear(), long_colors_.clear();
+  for (std::uint32_t c = 0; c < count; ++c) {
+    const auto first = static_cast<unsigned>(long_links_.size());
+    int lane = kLanes;
+    for (std::size_t e = 0; e < all.size(); ++e) {
+      if (color_[e] != c) continue;
+      if (lane == kLanes) long_links_.push_back(empty), lane = 0;
+      LinkBatch& b = long_links_.back();
+      b.a[lane] = all[e].a, b.b[lane] = all[e].b, b.rest.v[lane++] = all[e].rest;
+    }
+    long_colors_.push_back({first, static_cast<unsigned>(long_links_.size())});
+  }
+}
+
 // Rest lengths and angles that have flowed.
 void ClothBatches::take_rests(const ClothView& v) {
   if (rests_ == v.rests) return;
@@ -161,15 +189,28 @@ void ClothBatches::take_rests(const ClothView& v) {
     }
 }
 
-void ClothBatches::current_position(const ClothView& v) {
+void ClothBatches::current_position(const ClothView& v, JobPool& jobs) {
   if (v.flows) take_rests(v);
   const auto put = [](Lane8x3& to, int i, const Vec3& d) { to.x.v[i] = d[0], to.y.v[i] = d[1], to.z.v[i] = d[2]; };
-  for (LinkBatch& b : links_)
-    for (int i = 0; i < kLanes; ++i) put(b.base, i, v.position[b.b[i]] - v.position[b.a[i]]);
-  for (HingeBatch& b : hinges_)
-    for (int k = 0; k < 3; ++k)
-      for (int i = 0; i < kLanes; ++i) put(b.base[k], i, v.position[b.v[k + 1][i]] - v.position[b.v[0][i]]);
-  if (quadratic_) quadratic_->current_position(v);
+  const auto links = [&](Array<LinkBatch>& batches) {
+    jobs.for_blocks(static_cast<std::uint32_t>(batches.size()), kBaseGrain,
+                    [&](std::uint32_t first, std::uint32_t last, int) {
+                      for (std::uint32_t n = first; n < last; ++n) {
+                        LinkBatch& b = batches[n];
+                        for (int i = 0; i < kLanes; ++i) put(b.base, i, v.position[b.b[i]] - v.position[b.a[i]]);
+                      }
+                    });
+  };
+  links(links_);
+  if (long_version_ == v.version) links(long_links_);
+  jobs.for_blocks(
+      static_cast<std::uint32_t>(hinges_.size()), kBaseGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+        for (std::uint32_t n = first; n < last; ++n)
+          for (int k = 0; k < 3; ++k)
+            for (int i = 0; i < kLanes; ++i)
+              put(hinges_[n].base[k], i, v.position[hinges_[n].v[k + 1][i]] - v.position[hinges_[n].v[0][i]]);
+      });
+  if (quadratic_) quadratic_->current_position(v, jobs);
 }
 
 void ClothBatches::limit(const ClothView& v, Real h, StepContext& c) {
@@ -178,6 +219,14 @@ void ClothBatches::limit(const ClothView& v, Real h, StepContext& c) {
   ClothPass p = pass(v, h);
   p.stretched = 1 + v.max_strain;
   run(kernels_->limit_links, link_colors_, p, c);
+}
+
+void ClothBatches::reach(const ClothView& v, Real h, StepContext& c) {
+  if (!(v.max_strain < kInfinity) || long_version_ != v.version || long_links_.empty()) return;
+  ClothPass p = pass(v, h);
+  p.links = long_links_.data();
+  p.stretched = 1 + kLongShare * (v.tie_limit - 1);
+  run(kernels_->limit_links, long_colors_, p, c);
 }
 
 void ClothBatches::tie(const ClothView& v, Real h, StepContext& c) {

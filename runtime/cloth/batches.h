@@ -29,7 +29,7 @@ class ClothBatches {
   void pick(bool wide);
   // Colours and batches for this mesh; does nothing for the version it has.
   void build(const ClothView& v);
-  void current_position(const ClothView& v);  // edges at the start of the step
+  void current_position(const ClothView& v, JobPool& jobs);  // edges at the start of the step
   // Which sweep of a solver substep.
   struct Sweep {
     int index = 0, count = 1;
@@ -38,6 +38,7 @@ class ClothBatches {
   // Forces of hinges over h into `velocity`.
   void bend(const ClothView& v, Real h, StepContext& c);
   void limit(const ClothView& v, Real h, StepContext& c);  // links without their force, to v.max_strain
+  void reach(const ClothView& v, Real h, StepContext& c);  // long links
   void tie(const ClothView& v, Real h, StepContext& c);    // vertices to their anchors
   // Strain rate out of `velocity` over h, see damping.cpp.
   void damp_links(const ClothView& v, Real h, StepContext& c);
@@ -58,6 +59,7 @@ class ClothBatches {
   void run(Kernel kernel, const Array<Color>& colors, ClothPass pass, StepContext& c);
   void measure_hinges(const ClothView& v);
   void prepare_stages(const ClothView& v);
+  void build_long(const ClothView& v);
   void take_rests(const ClothView& v);
   static constexpr double kOneSweep = 0.05;
   // h tau w^2 of the fastest mode.
@@ -68,11 +70,12 @@ class ClothBatches {
 
   Arena& arena_;
   const ClothKernels* kernels_ = &kClothKernelsPlain;
-  std::uint64_t version_ = ~std::uint64_t(0), rests_ = 0;
+  std::uint64_t version_ = ~std::uint64_t(0), long_version_ = ~std::uint64_t(0), rests_ = 0;
   Array<std::uint32_t> link_lane_{&arena_}, hinge_lane_{&arena_};  // of cloth that flows: elements in lane order
   Array<LinkBatch> links_{&arena_};
   Array<HingeBatch> hinges_{&arena_};
-  Array<Color> link_colors_{&arena_}, hinge_colors_{&arena_};
+  Array<LinkBatch> long_links_{&arena_};
+  Array<Color> link_colors_{&arena_}, hinge_colors_{&arena_}, long_colors_{&arena_};
   std::unique_ptr<QuadraticBending> quadratic_;
   JobPool::Stage stages_[kStages];                        // of the pass that runs: its colours
   mutable Array<std::uint64_t> used_{&arena_};            // by vertex: colours taken; marks of validate()

@@ -8,7 +8,8 @@
 
 namespace feder {
 namespace {
-constexpr Real kFlat = Real(1e-4);  // rad, largest angle at rest of a hinge that counts as flat
+constexpr JobGrain kForceGrain{32, 8'000};  // blocks per job
+constexpr Real kFlat = Real(1e-4);          // rad, largest angle at rest of a hinge that counts as flat
 
 // Off-diagonal number of the matrix: what vertex `row` gets for each metre that `column` is off.
 struct Coupling {
@@ -77,21 +78,24 @@ void QuadraticBending::build(const ClothView& v) {
 }
 
 // Summed in double: it is a small difference of large numbers.
-void QuadraticBending::current_position(const ClothView& v) {
-  for (BendBlock& b : blocks_) {
-    double f[3][kLanes] = {};
-    for (unsigned e = b.first; e < b.last; ++e)
+void QuadraticBending::current_position(const ClothView& v, JobPool& jobs) {
+  jobs.for_blocks(blocks(), kForceGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    for (std::uint32_t n = first; n < last; ++n) {
+      BendBlock& b = blocks_[n];
+      double f[3][kLanes] = {};
+      for (unsigned e = b.first; e < b.last; ++e)
+        for (int i = 0; i < kLanes; ++i) {
+          const Vec3 &x = v.position[entries_[e].other[i]], &own = v.position[b.vertex[i]];
+          const auto k = static_cast<double>(entries_[e].stiffness.v[i]);
+          for (int d = 0; d < 3; ++d) f[d][i] -= k * (static_cast<double>(x[d]) - static_cast<double>(own[d]));
+        }
       for (int i = 0; i < kLanes; ++i) {
-        const Vec3 &x = v.position[entries_[e].other[i]], &own = v.position[b.vertex[i]];
-        const auto k = static_cast<double>(entries_[e].stiffness.v[i]);
-        for (int n = 0; n < 3; ++n) f[n][i] -= k * (static_cast<double>(x[n]) - static_cast<double>(own[n]));
+        b.force.x.v[i] = static_cast<Real>(f[0][i]);
+        b.force.y.v[i] = static_cast<Real>(f[1][i]);
+        b.force.z.v[i] = static_cast<Real>(f[2][i]);
       }
-    for (int i = 0; i < kLanes; ++i) {
-      b.force.x.v[i] = static_cast<Real>(f[0][i]);
-      b.force.y.v[i] = static_cast<Real>(f[1][i]);
-      b.force.z.v[i] = static_cast<Real>(f[2][i]);
     }
-  }
+  });
 }
 
 }  // namespace feder

@@ -6,6 +6,7 @@
 // angular momentum. Private to the module.
 #pragma once
 #include "base/checks.h"
+#include "base/jobs.h"
 #include "cloth/solver.h"
 
 namespace feder {
@@ -17,7 +18,7 @@ class QuadraticBending {
   void build(const ClothView& v);
   bool exists() const { return exists_; }
   // Forces at the start of the step.
-  void current_position(const ClothView& v);
+  void current_position(const ClothView& v, JobPool& jobs);
   void write(ClothPass& p) { p.bend_blocks = blocks_.data(), p.bend_entries = entries_.data(); }
   unsigned blocks() const { return static_cast<unsigned>(blocks_.size()); }
 

@@ -23,7 +23,8 @@ void Cloth::Impl::add_forces(StepContext& c) {
     const Vec3 g = c.gravity * s.settings.gravity_scale;
     FEDER_ASSERT(s.first + s.total <= acceleration.size());
     force.resize(s.total);
-    for (std::uint32_t i = 0; i < s.points; ++i) force[i] = vertices.script_force[s.first + i];
+    const Vec3* script = vertices.script_force.data() + s.first;
+    std::copy(script, script + s.points, force.begin());
     // generators on points; those on areas are left to add_wind
     bool blown = false;
     if (forces) {
@@ -48,7 +49,7 @@ void Cloth::Impl::add_forces(StepContext& c) {
       if (blown && s.settings.wind) add_wind(s, time, c.h);
     }
     if (!blown && s.settings.wind && air_density > 0) {
-      if (s.gusty) meet_still_air(s, c.h, c.dt);
+      if (s.gusty) meet_still_air(s, c);
       for (std::uint32_t i = 0; i < s.points; ++i) force[i] += air[s.first + i];
     }
     // accelerations; hidden vertices have none
@@ -104,26 +105,15 @@ void Cloth::Impl::add_wind(Sheet& s, double time, Real h) {
 }
 
 // Force of still air by vertex, in `air`.
-void Cloth::Impl::meet_still_air(Sheet& s, Real h, Real dt) {
-  FEDER_ASSERT(air_density > 0 && h > 0 && h <= dt);
+void Cloth::Impl::meet_still_air(Sheet& s, StepContext& c) {
+  FEDER_ASSERT(air_density > 0 && c.h > 0 && c.h <= c.dt);
   air.resize(vertices.size());
-  std::fill(air.begin() + s.first, air.begin() + s.first + s.total, Vec3(Vec3::Zero()));
-  const AreaShares shares{s.settings.drag, s.settings.lift};
-  Real taken = 0;
-  for (std::size_t t = 0; t < s.mesh.triangles.size(); t += 3) {
-    const std::uint32_t* v = &s.mesh.triangles[t];
-    const Vec3 x = current_position(s.first + v[0]), a = current_position(s.first + v[1]),
-               b = current_position(s.first + v[2]);
-    const Vec3 u =
-        (velocity[s.first + v[0]].vec() + velocity[s.first + v[1]].vec() + velocity[s.first + v[2]].vec()) / 3;
-    const Real weight = std::max(
-        {delta_position[s.first + v[0]].w, delta_position[s.first + v[1]].w, delta_position[s.first + v[2]].w});
-    if (!(weight > 0)) continue;
-    const Real most = kMaxMassShare / (weight * h);
-    const Vec3 third = still_air(u, cross(a - x, b - x), air_density, most, shares, taken) / 3;
-    for (int k = 0; k < 3; ++k) air[s.first + v[k]] += third;
-  }
-  s.gusty = taken * kMaxMassShare * dt > kCalm * h;
+  s.still_air.build(s.mesh, s.points, s.total - 1, s.version);
+  StillAir::Flow f;
+  f.position = vertices.position.data() + s.first;
+  f.delta_position = delta_position.data() + s.first, f.velocity = velocity.data() + s.first;
+  f.density = air_density, f.most = kMaxMassShare / c.h, f.drag = s.settings.drag, f.lift = s.settings.lift;
+  s.gusty = s.still_air.meet(f, air.data() + s.first, *c.jobs) * kMaxMassShare * c.dt > kCalm * c.h;
 }
 
 }  // namespace feder

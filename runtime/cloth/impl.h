@@ -138,7 +138,7 @@ struct Cloth::Impl {
   void gather(Sheet& s, Real h);
   void add_forces(StepContext& c);
   void add_wind(Sheet& s, double time, Real h);
-  void meet_still_air(Sheet& s, Real h, Real dt);
+  void meet_still_air(Sheet& s, StepContext& c);
   void quarantine(StepContext& c);
   void update_sleep(StepContext& c);
   // watch.cpp

@@ -292,6 +292,40 @@ void damp_stage(const ClothPass& p) {
   }
 }
 
+// still_air() of forces/area.h, and a third of it for each corner. Triangles of pinned corners alone have none.
+void meet_still_air(AirPass& p) {
+  const Lanes zero = zero_lanes(), third = all_lanes(WideReal(1) / 3);
+  Lanes taken = zero;
+  for (unsigned i = p.first; i < p.last; ++i) {
+    const AirBatch& b = p.batches[i];
+    Rows8 x[3], u[3];
+    Lanes weight = zero;
+    for (int k = 0; k < 3; ++k) {
+      x[k] = gather(p.position, b.v[k]), u[k] = gather(p.velocity, b.v[k]);
+      weight = max(weight, gather(p.weights, b.v[k]).w);
+    }
+    const Lanes3 mean = (u[0].v + u[1].v + u[2].v) * third, twice = cross(x[1].v - x[0].v, x[2].v - x[0].v);
+    const Lanes speed2 = dot(mean, mean), area2 = dot(twice, twice), through = dot(mean, twice), both = speed2 * area2;
+    const LaneMask normal = (both >= all_lanes(p.least)) & (both <= all_lanes(p.largest)) & (weight > zero);
+    const Lanes safe = select(normal, both, all_lanes(1));
+    const Lanes most = all_lanes(p.most) / select(normal, weight, all_lanes(1));
+    const Lanes asked = all_lanes(0.25f * p.density) * square_root(safe);
+    taken = max(taken, select(normal, asked / most, zero));
+    const Lanes square = through * through / safe;
+    const Lanes along = all_lanes(p.drag) * (square + all_lanes(p.skin)) - all_lanes(p.lift) * square;
+    const Lanes rate = select(normal, min(asked, most) * third, zero);
+    Rows8 push;
+    push.v =
+        (mean * along + twice * (all_lanes(p.lift) * through / select(normal, area2, all_lanes(1)))) * (zero - rate);
+    push.w = zero;
+    unsigned at[kLanes];
+    for (int k = 0; k < kLanes; ++k) at[k] = i * kLanes + static_cast<unsigned>(k);
+    scatter(p.push, at, push);
+  }
+  p.taken = 0;
+  for (int k = 0; k < kLanes; ++k) p.taken = p.taken > taken[k] ? p.taken : taken[k];
+}
+
 constexpr ClothKernels kKernels = {solve_links<false>,
                                    solve_links<true>,
                                    solve_links<false, true>,
@@ -304,7 +338,8 @@ constexpr ClothKernels kKernels = {solve_links<false>,
                                    damp_links,
                                    damp_hinges,
                                    damp_begin,
-                                   damp_stage};
+                                   damp_stage,
+                                   meet_still_air};
 
 }  // namespace
 }  // namespace feder

@@ -83,12 +83,12 @@ class MassSpring final : public ClothSolver, private ForceField {
     if (!p.has("integrator") && has_integrator(kStiffMethod)) take(a, kStiffMethod, stiff_);
   }
 
-  void prepare(const ClothView& v, StepContext&) override {
+  void prepare(const ClothView& v, StepContext& c) override {
     bool same = !build(v);
     if (v.flows)
       for (std::size_t k = 0; k < v.mesh->links.size(); ++k) springs_[k].rest = v.mesh->links[k].rest;
     batches_.build(v);
-    batches_.current_position(v);
+    batches_.current_position(v, *c.jobs);
     same = same && inv_mass_.size() == v.points;
     inv_mass_.resize(v.points);
     for (std::uint32_t i = 0; i < v.points; ++i) {

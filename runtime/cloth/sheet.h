@@ -7,6 +7,7 @@
 #include "base/double3.h"
 #include "bounds/box_search.h"
 #include "cloth/solver.h"
+#include "cloth/still_air.h"
 #include "feder/cloth.h"
 
 namespace feder {
@@ -77,6 +78,7 @@ struct ClothTies {
     bool body = false;  // reversed: `vertex` is the pin that the attached `anchor` hangs from
   };
   Array<ToBody> to_body;      // in the order of the attachments
+  Real limit = kInfinity;     // over rest, at which they act in this step
   Array<std::uint32_t> pins;  // a sample of pins that lie far from each other, also where nothing is tied
 };
 
@@ -94,7 +96,7 @@ struct ClothGas {
 };
 
 struct Sheet {
-  Sheet(Arena& a) : mesh(a), ties(a), gas(a), edited(&a) {}
+  Sheet(Arena& a) : mesh(a), ties(a), gas(a), still_air(a), edited(&a) {}
 
   static constexpr std::uint32_t kSuspectSteps = 30;  // until contact keeps apart what touches
 
@@ -114,6 +116,7 @@ struct Sheet {
   Real impact = 0, approach_speed = 0;  // m/s^2 and m/s, of this step, by approaching bodies
   ClothTies ties;
   ClothGas gas;
+  StillAir still_air;
   std::uint64_t rests = 1;   // changes with rest lengths and angles
   double bend_substeps = 1;  // ClothSolver::wanted_substeps, as last asked
   Real bend_step = -1;       // s, substep of that answer

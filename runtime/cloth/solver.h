@@ -28,6 +28,7 @@ struct ClothView {
   bool taut = false;                          // tension holds it: closed under pressure, or in a frame too large
   Real damping = 0;                           // s
   Real max_strain = kInfinity;                // of links
+  Real tie_limit = kInfinity;                 // over rest, at which ties and long links act
   std::span<TieBatch> ties;                   // to fixed anchors
   std::span<const std::uint32_t> tie_layers;  // ends of the layers of `ties`
   bool crowded = false;                       // surfaces of its group are in contact in this substep
@@ -69,6 +70,7 @@ class ClothSolver {
   virtual void validate(const ClothView&) const {}
   virtual Real relaxation() const { return 1; }         // of contact corrections
   virtual bool sheds_strain() const { return true; }    // the stretch law of step.cpp applies
+  virtual bool reaches() const { return false; }        // has long links, see long_links.h
   virtual bool converges() const { return false; }      // the law for loads alone does: it carries its own weight
   virtual bool carries_bodies() const { return true; }  // what hangs from a vertex counts as mass of it, see ties.cpp
   virtual double least_cap() const { return 1; }        // solver substeps that `max_substeps` cannot forbid

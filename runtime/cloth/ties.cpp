@@ -172,13 +172,13 @@ Real Cloth::Impl::pins_apart(const Sheet& s) const {
 // Positions of anchors in this step, and lengths of ties.
 void Cloth::Impl::place_ties(Sheet& s) {
   ClothTies& t = s.ties;
-  if (t.batches.empty()) return;
   const Vec3* x = vertices.position.data() + s.first;
   const Real longest = 1 + s.settings.max_strain;
   const Real separation = std::max(Real(1), pins_apart(s) / longest);  // over what the cloth allows
   FEDER_ASSERT(t.anchor.size() == t.batches.size() * kLanes && !s.paths_stale);
   // bodies on it push the cloth against its ties and do not know them: there the links hold first
   const Real limit = (1 + (1 - s.unladen() * (1 - kTieShare)) * s.settings.max_strain) * separation;
+  t.limit = limit;
   for (std::size_t n = 0; n < t.batches.size(); ++n)
     for (int k = 0; k < kLanes; ++k) {
       const std::size_t at = n * kLanes + static_cast<std::size_t>(k);

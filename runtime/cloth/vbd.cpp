@@ -45,9 +45,9 @@ class Vbd final : public ClothSolver {
 #endif
   }
 
-  void prepare(const ClothView& v, StepContext&) override {
+  void prepare(const ClothView& v, StepContext& c) override {
     batches_.build(v);
-    batches_.current_position(v);
+    batches_.current_position(v, *c.jobs);
     build(v);
     if (v.flows) take_rests(v);
     afloat_ = true;

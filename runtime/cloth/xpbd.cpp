@@ -20,10 +20,10 @@
 namespace feder {
 namespace {
 
-constexpr double kBendShare = 0.1;  // h^2 k sum w |gradient|^2 that is wanted for the stiffest hinge
+constexpr double kBendShare = 0.2;  // h^2 k sum w |gradient|^2 that is wanted for the stiffest hinge
 // h^2 sum k/m of a vertex of a cloth that tension holds: what kernel.h takes off is there
 constexpr double kTautShare = 1.4;
-constexpr double kSoftHinge = 0.12;      // largest value of it at which hinges push as forces
+constexpr double kSoftHinge = 0.24;      // largest value of it at which hinges push as forces
 constexpr int kTogether = 9;             // solver substeps that one push of soft hinges may stand for, odd
 constexpr Real kMostSweeps = 4;          // in place of solver substeps that max_substeps does not allow
 constexpr JobGrain kGrain{1024, 4'000};  // vertices per job
@@ -34,9 +34,9 @@ class Xpbd final : public ClothSolver {
     batches_.pick(wide_kernels(p));
   }
 
-  void prepare(const ClothView& v, StepContext&) override {
+  void prepare(const ClothView& v, StepContext& c) override {
     batches_.build(v);
-    batches_.current_position(v);
+    batches_.current_position(v, *c.jobs);
     if (version_ != v.version) version_ = v.version, stiffest_ = stiffest_hinge(v);
   }
 
@@ -56,6 +56,7 @@ class Xpbd final : public ClothSolver {
         v.delta_position[i].add(h * v.velocity[i].vec());
       }
     });
+    batches_.reach(v, h, c);
     // sweeps of the rows
     const int sweeps = std::max(iterations_, static_cast<int>(std::ceil(std::min(v.lacking, kMostSweeps))));
     for (int k = 0; k < sweeps; ++k) batches_.solve(v, h, !soft_, {k, sweeps}, c);
@@ -67,6 +68,7 @@ class Xpbd final : public ClothSolver {
     batches_.damp_links(v, h, c);
     if (!soft_ || !batches_.damps_in_stages(v, h)) batches_.damp_hinges(v, h, c);
   }
+  bool reaches() const override { return true; }
   double longest_damping(Real h) const override { return batches_.longest_damping(h); }
   void validate(const ClothView& v) const override { batches_.validate(v); }
 

@@ -379,6 +379,12 @@ bool FlatParts::decide(Real most) {
   return false;
 }
 
+Real FlatParts::sure_share() const {
+  const std::size_t count = static_cast<std::size_t>(wide(0)) * static_cast<std::size_t>(high(0));
+  const auto first = sure_.begin() + static_cast<std::ptrdiff_t>(first_node_[0]);
+  return static_cast<Real>(std::count(first, first + static_cast<std::ptrdiff_t>(count), 1)) / static_cast<Real>(count);
+}
+
 // Whether a window of this level with a certificate holds both nodes.
 bool FlatParts::apart(int level, int ax, int ay, int bx, int by) const {
   if (std::abs(ax - bx) > 1 || std::abs(ay - by) > 1) return false;

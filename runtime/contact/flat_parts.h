@@ -35,6 +35,7 @@ class FlatParts {
   void measure(const Motion& m, JobPool& jobs);
   // Whether nothing of it can meet itself, with deviations of `most` at most.
   bool decide(Real most);
+  Real sure_share() const;  // of the least windows, that have a certificate
   // Largest sum of inverse heights of a triangle at rest, 1/m: a deviation takes that much of a certificate.
   Real heights() const { return heights_; }
   // Where it is not whole: f(v, edges) for the pairs of a point v[0] and a triangle, or of two edges, that share no

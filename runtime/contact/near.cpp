@@ -22,8 +22,11 @@ namespace {
 constexpr Real kRestShare = Real(0.9);  // of the rest distance, kept where that is below the thickness
 constexpr int kMaxSearches = 64;        // parts of a substep
 constexpr Real kNoDirection = std::numeric_limits<Real>::min() * Real(16);  // m
+constexpr JobGrain kListGrain{1024, 10'000};                                // points per job
 constexpr std::size_t kOffered = 1024;                                      // pairs that are tested together
 constexpr Real kClosedShare = Real(0.2);  // of a certificate (flat_parts.h), that deviations may take
+constexpr Real kMostlySure =
+    Real(0.5);  // of the least windows: share from which certificates are worth a small deviation
 constexpr Real kFreeShare =
     Real(0.05);  // of the weights on free vertices, below which a pair is that of its pinned ones
 
@@ -145,7 +148,7 @@ FlatParts& SurfaceContact::Impl::parts_of(const Surface& s) {
 }
 
 // Contacts of flat sheets with themselves are found by their parts. Where a smaller deviation would rule out all of
-// them, that is what the search allows, unless points are to be held back.
+// them, or most where the usual one does not, that is what the search allows, unless points are to be held back.
 void SurfaceContact::Impl::measure_parts(const SurfaceGroup& g, Real time, bool held) {
   for (const std::uint32_t n : g.members) {
     const Surface& s = list[n];
@@ -156,12 +159,13 @@ void SurfaceContact::Impl::measure_parts(const SurfaceGroup& g, Real time, bool 
     Real* deviation = max_deviation.data() + s.first;
     p.measure({search_position.data() + s.first, search_velocity.data() + s.first, deviation, time, held}, *jobs);
     flat_parts[n] = &p, sealed[n] = p.decide(kInfinity);
-    if (sealed[n] || held) continue;
-    const Real less = kClosedShare / p.heights();
-    if (less < bearable[n] && (sealed[n] = p.decide(less))) {
+    const Real less = kClosedShare / p.heights(), share = p.sure_share();
+    if (sealed[n] || held || !(less < bearable[n])) continue;
+    sealed[n] = p.decide(less);
+    if (sealed[n] || (share < kMostlySure && p.sure_share() > kMostlySure)) {
       bearable[n] = less;
       for (std::uint32_t i = 0; i < s.count; ++i) deviation[i] = std::min(deviation[i], less);
-    } else if (less < bearable[n]) {
+    } else {
       p.decide(kInfinity);
     }
   }
@@ -194,21 +198,26 @@ void SurfaceContact::Impl::list_features(const SurfaceGroup& g, NearSearch& near
     flat_parts[n] = nullptr, sealed[n] = 0, bearable[n] = kMaxDeviation * s.thickness;
     if (!(s.active && s.self) && !paired(n)) continue;
     const Real half = Real(0.5) * s.thickness;
-    for (std::uint32_t i = s.first; i < s.first + s.count; ++i) {
-      near.near_vertex.push_back(i);
-      near_surface[i] = n;
-      const Row4* rest = near.kept ? &near.rest[i - s.first] : nullptr;
-      search_position[i] = rest ? rest->vec() : current_position(i);
-      search_velocity[i] = delta_position[i].w != 0 && !rest ? velocity[i].vec() : Vec3(0, 0, 0);
-      const Vec3 beside = search_velocity[i] - near.drift, far = search_position[i] + time * beside;
-      // a point that the projection holds back to the drift deviates by all of its motion
-      max_deviation[i] = rest                       ? rest->w
-                         : delta_position[i].w == 0 ? Real(0)
-                                                    : bearable[n] + (held ? time * length(beside) : Real(0));
-      Aabb& b = vertex_box[i];
-      b.lo = search_position[i].cwiseMin(far), b.hi = search_position[i].cwiseMax(far);
-      b.grow(max_deviation[i] + Real(1.1) * half);
-    }
+    const auto base = near.near_vertex.size();
+    near.near_vertex.resize(base + s.count);
+    jobs->for_blocks(s.count, kListGrain, [&](std::uint32_t begin, std::uint32_t end, int) {
+      for (std::uint32_t k = begin; k < end; ++k) {
+        const std::uint32_t i = s.first + k;
+        near.near_vertex[base + k] = i;
+        near_surface[i] = n;
+        const Row4* rest = near.kept ? &near.rest[k] : nullptr;
+        search_position[i] = rest ? rest->vec() : current_position(i);
+        search_velocity[i] = delta_position[i].w != 0 && !rest ? velocity[i].vec() : Vec3(0, 0, 0);
+        const Vec3 beside = search_velocity[i] - near.drift, far = search_position[i] + time * beside;
+        // a point that the projection holds back to the drift deviates by all of its motion
+        max_deviation[i] = rest                       ? rest->w
+                           : delta_position[i].w == 0 ? Real(0)
+                                                      : bearable[n] + (held ? time * length(beside) : Real(0));
+        Aabb& b = vertex_box[i];
+        b.lo = search_position[i].cwiseMin(far), b.hi = search_position[i].cwiseMax(far);
+        b.grow(max_deviation[i] + Real(1.1) * half);
+      }
+    });
   }
   bound_others(g);
   measure_parts(g, time, held || near.kept);

@@ -8,6 +8,7 @@
 // Kept between calls: only the zones' work memory. Weak spot: a zone loses the relative motion that its pairs cannot
 // keep.
 #include <algorithm>
+#include <atomic>
 
 #include "contact/impl.h"
 
@@ -16,6 +17,7 @@ namespace {
 constexpr int kPasses = 12;              // sweeps over all pairs, before impact zones
 constexpr Real kKept = Real(0.1);        // of the distance of a pair, at least, in one part
 constexpr Real kKeptInZone = Real(0.2);  // likewise in an impact zone; the difference is for rounding
+constexpr JobGrain kVertexGrain{2048, 8'000};
 constexpr Real kSearched = Real(0.999);  // of the deviation that the search allows
 }  // namespace
 
@@ -27,21 +29,31 @@ Vec3 SurfaceContact::Impl::deviation(const NearSearch& near, std::uint32_t i) co
 // Is every vertex within the deviation that the search allowed for? Candidates become stale, so that the next part
 // searches anew, when one has used most of it or is about to.
 bool SurfaceContact::Impl::within_search(NearSearch& near, Real part) {
-  bool good = true;
   if (near.kept) {
+    bool good = true;
     for (const std::uint32_t i : near.near_vertex)
       good = good && (delta_position[i].w == 0 || !(length(deviation(near, i)) > allowed[i]));
     return good;
   }
-  for (const std::uint32_t i : near.near_vertex) {
-    FEDER_ASSERT(near_surface[i] < list.size() && !(max_deviation[i] < 0));
-    if (delta_position[i].w == 0) continue;
-    const Real far = length(deviation(near, i)), faster = length(Vec3(velocity[i].vec() - search_velocity[i]));
-    const Real most = Real(0.75) * bearable[near_surface[i]];
-    near.pairs_stale = near.pairs_stale || far > most || part * faster > most;
-    good = good && !(far > max_deviation[i]);
-  }
-  return good;
+  std::atomic<bool> stale{false}, beyond{false};  // of all blocks: the order does not matter
+  const auto check = [&](std::uint32_t first, std::uint32_t last, int) {
+    bool used = false, more = false;
+    for (std::uint32_t k = first; k < last; ++k) {
+      const std::uint32_t i = near.near_vertex[k];
+      FEDER_ASSERT(near_surface[i] < list.size() && !(max_deviation[i] < 0));
+      if (delta_position[i].w == 0) continue;
+      const Vec3 off = current_position(i) - search_row[i].vec() - near.since_found * search_way[i].vec(),
+                 faster = part * (velocity[i].vec() - search_way[i].vec());
+      const Real far = dot(off, off), most = Real(0.75) * bearable[near_surface[i]], most2 = most * most;
+      used = used || far > most2 || dot(faster, faster) > most2;
+      more = more || std::sqrt(far) > max_deviation[i];
+    }
+    if (used) stale.store(true, std::memory_order_relaxed);
+    if (more) beyond.store(true, std::memory_order_relaxed);
+  };
+  jobs->for_blocks(static_cast<std::uint32_t>(near.near_vertex.size()), kVertexGrain, check);
+  near.pairs_stale = near.pairs_stale || stale.load();
+  return !beyond.load();
 }
 
 // Is each vertex of the first feature beyond each of the second along the normal? With `push`, separates those that are

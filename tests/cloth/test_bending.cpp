@@ -54,7 +54,7 @@ struct Bent {
     for (Row4& u : velocity) u.set(Vec3(0, 0, 0));
     ClothBatches batches(arena, quadratic);
     batches.build(view);
-    batches.current_position(view);
+    batches.current_position(view, jobs);
     batches.bend(view, Real(1e-4), context);
     std::vector<Vec3> out(view.points);
     for (std::uint32_t i = 0; i < view.points; ++i) out[i] = Real(1e4) * mass[i] * velocity[i].vec();

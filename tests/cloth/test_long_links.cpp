@@ -1,0 +1,31 @@
+// Links over several edges: lengths are those along the sheet, and what they hold does not depend on the resolution.
+#include "cloth/long_links.h"
+#include "cloth/mesh.h"
+#include "cloth/sheets.h"
+
+using namespace feder;
+using namespace feder::test;
+
+TEST_CASE("long links go straight on over eight edges of a flat sheet, and are as long as these", "[cloth]") {
+  World w(WorldDesc{}, kClothOnly);
+  Cloth& cloth = w.need<Cloth>();
+  const ObjectId id = cloth.add_cloth(sheet(25, 25, Real(2.4), Real(2.4)));
+  std::vector<Vec3> rest(cloth.vertex_count(id));
+  for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = cloth.point(id, i);
+  Arena arena{"long links"};
+  ClothMesh mesh{arena};
+  for (std::uint32_t j = 0; j < 25; ++j)
+    for (std::uint32_t i = 0; i < 25; ++i) {
+      const std::uint32_t v = j * 25 + i;
+      if (i < 24) mesh.links.push_back({v, v + 1, Real(0.1), 1, 0});
+      if (j < 24) mesh.links.push_back({v, v + 25, Real(0.1), 1, 0});
+    }
+  const std::vector<LongLink> all = long_links(mesh, rest.data(), 625);
+  // 17 of eight edges in each row and column, and at both ends those of seven down to four
+  CHECK(all.size() == 2 * 25 * (17 + 8));
+  for (const LongLink& l : all) {
+    const Real apart = length(Vec3(rest[l.b] - rest[l.a]));
+    CHECK(double(l.rest) == Approx(double(apart)).epsilon(1e-5));
+    CHECK((apart > Real(0.39) && apart < Real(0.81)));
+  }
+}
