@@ -29,14 +29,15 @@
 namespace feder {
 namespace {
 
-constexpr double kArmijo = 1e-4;                                      // share of the slope that a step has to gain
-constexpr double kEnergyRounding = 1e-13;                             // of the sum of all energies
-constexpr double kStrainRounding = 1e-8;                              // strain whose forces are none to speak of
-constexpr double kMaxForcing = 0.1;                                   // largest residual that a linear solve may leave
-constexpr double kStiffSubstep = 200;                                 // largest h^2 w^2 that contacts bear
-constexpr int kHalvings = 30;                                         // of a step in the line search
-constexpr int kCgPerPoint = 3;                                        // cap of a linear solve, iterations
-constexpr int kModeIterations = 40;                                   // of the power method
+constexpr double kArmijo = 1e-4;              // share of the slope that a step has to gain
+constexpr double kEnergyRounding = 1e-13;     // of the sum of all energies
+constexpr double kStrainRounding = 1e-8;      // strain whose forces are none to speak of
+constexpr double kMaxForcing = 0.1;           // largest residual that a linear solve may leave
+constexpr double kStiffSubstep = 200;         // largest h^2 w^2 that contacts bear
+constexpr double kDampingGrowth = 1.7320508;  // of the response of a tetrahedron to its strain rate, over that at rest
+constexpr int kHalvings = 30;                 // of a step in the line search
+constexpr int kCgPerPoint = 3;                // cap of a linear solve, iterations
+constexpr int kModeIterations = 40;           // of the power method
 constexpr std::uint64_t kFactorFloor = 20'000, kFactorPerBlock = 60;  // block products that cost less than iterating
 constexpr std::uint64_t kMostFactor = 40'000'000;                     // block products: beyond, never
 constexpr std::uint64_t kProducts = 3;                                // of a block with vectors, by one with a block
@@ -110,6 +111,7 @@ class SoftImplicit final : public SoftSolver {
     Vec3d gradient[4];  // of the weights of its corners, 1/m
     Vec3d base[3];      // v[1], v[2], v[3] minus v[0] at the start of the step, m
     Mat3d strain;       // Green's, at the start of the solver substep, where damping acts
+    double lag;         // likewise: damping time beyond h, over h; less where it is strained much
   };
 
   void build(const SoftView& v) {
@@ -176,7 +178,11 @@ class SoftImplicit final : public SoftSolver {
     }
     lag_ = std::fmax(double(v.damping) - h_, 0) / h_;
     if (lag_ > 0)
-      for (Tet& t : tets_) t.strain = green(deform(t, start_));
+      for (Tet& t : tets_) {
+        t.strain = green(deform(t, start_));
+        const Mat3d square = 2 * t.strain + Mat3d::Identity();
+        t.lag = lag_ * std::fmin(1, kDampingGrowth / square.norm());
+      }
   }
 
   static Mat3d deform(const Tet& t, const Array<Vec3d>& u) {
@@ -208,7 +214,7 @@ class SoftImplicit final : public SoftSolver {
       double density = v.law->energy(v.material, f);
       if (lag_ > 0) {
         const Mat3d e = green(f) - t.strain;
-        density += lag_ * (v.material.mu * e.squaredNorm() + v.material.lame / 2 * trace(e) * trace(e));
+        density += t.lag * (v.material.mu * e.squaredNorm() + v.material.lame / 2 * trace(e) * trace(e));
       }
       elastic += t.volume * density;
     }
@@ -260,7 +266,7 @@ class SoftImplicit final : public SoftSolver {
 
   // Stress F S of the change of strain, S = 2 mu E + lambda tr E 1, and its Hessian by Gauss and Newton.
   void add_damping(const SoftView& v, const Tet& t, const Mat3d& f, Mat3d& stress, CornerStiffness& k) const {
-    const double mu = lag_ * v.material.mu, lame = lag_ * v.material.lame;
+    const double mu = t.lag * v.material.mu, lame = t.lag * v.material.lame;
     Mat3d s = green(f) - t.strain;
     const double all = trace(s);
     s *= 2 * mu;
@@ -369,9 +375,9 @@ class SoftImplicit final : public SoftSolver {
   bool factors_ = false, cheap_ = false;  // it may be factored; at no more than a few iterations cost
   bool direct_ = false, afloat_ = false;  // it is, for this step; nothing holds it
   int cg_iterations_ = 0;
-  double h_ = 0, lag_ = 0;                // s; damping time beyond h, over h
-  double total_mass_ = 0, fastest_ = 0;   // kg; w^2 of the fastest mode at rest, 1/s^2
-  double missed_ = 0;                     // the largest residual above the tolerance in this step
+  double h_ = 0, lag_ = 0;               // s; damping time beyond h, over h
+  double total_mass_ = 0, fastest_ = 0;  // kg; w^2 of the fastest mode at rest, 1/s^2
+  double missed_ = 0;                    // the largest residual above the tolerance in this step
 };
 
 }  // namespace

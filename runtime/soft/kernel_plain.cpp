@@ -1,6 +1,7 @@
 // The kernels of tetrahedra without AVX2.
-#include "soft/kernel.h"
+#include "soft/descent_kernel.h"
 
 namespace feder {
 const TetKernels kTetKernelsPlain = kTets;
+const PointKernels kPointsPlain[kPointLaws] = {kPoints[0], kPoints[1]};
 }  // namespace feder

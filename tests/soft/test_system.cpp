@@ -199,6 +199,8 @@ TEST_CASE("two soft bodies and a rope are held to each other and to a body", "[s
   World w(WorldDesc{}, catalog());
   Soft& soft = w.need<Soft>();
   SoftDesc d = soft_box(vec3(Real(0.2), Real(0.2), Real(0.2)), 2);
+  d.solver = any_soft_solver();
+  CAPTURE(d.solver);
   d.pose.position = Vec3(0, 2, 0);
   const ObjectId upper = soft.add_soft(d);
   d.pose.position = Vec3(0, Real(1.78), 0);
