@@ -31,9 +31,11 @@ namespace {
 
 constexpr double kArmijo = 1e-4;              // share of the slope that a step has to gain
 constexpr double kEnergyRounding = 1e-13;     // of the sum of all energies
+constexpr double kDensityRounding = 1e-15;    // of stiffness times volume: terms of the energy that cancel at rest
 constexpr double kStrainRounding = 1e-8;      // strain whose forces are none to speak of
 constexpr double kMaxForcing = 0.1;           // largest residual that a linear solve may leave
-constexpr double kStiffSubstep = 200;         // largest h^2 w^2 that contacts bear
+constexpr double kNear = 0.01;                // residual near the minimum
+constexpr double kStiffSubstep = 16;          // largest h^2 w^2 that contacts bear
 constexpr double kDampingGrowth = 1.7320508;  // of the response of a tetrahedron to its strain rate, over that at rest
 constexpr int kHalvings = 30;                 // of a step in the line search
 constexpr int kCgPerPoint = 3;                // cap of a linear solve, iterations
@@ -56,7 +58,8 @@ class SoftImplicit final : public SoftSolver {
   bool takes(const ElasticLaw&) const override { return true; }
 
   // Any number does for the body itself. But contacts and attached bodies move points between solver substeps, which
-  // stores energy in tetrahedra, and feel no more than m d/h^2.
+  // stores energy in tetrahedra, and feel no more than m d/h^2: a column of three cubes under two and a half times the
+  // weight of one falls at h^2 w^2 = 50 and stands at 13.
   double wanted_substeps(const SoftView& v, Real h) override {
     build(v);
     return double(h) * std::sqrt(fastest_ / kStiffSubstep);
@@ -92,8 +95,8 @@ class SoftImplicit final : public SoftSolver {
 
   std::string shortfall() const override {
     if (!(missed_ > 0)) return "";
-    return "stopped after " + std::to_string(iterations_) + " steps of Newton at a residual of " +
-           print_number(missed_) + ", its tolerance is " + print_number(tolerance_) +
+    return "stopped after " + std::to_string(steps_) + " steps of Newton at a residual of " + print_number(missed_) +
+           ", its tolerance is " + print_number(tolerance_) +
            ": more solver substeps or a larger solver_options.iterations would do";
   }
 
@@ -157,6 +160,7 @@ class SoftImplicit final : public SoftSolver {
     for (Array<Vec3d>* a : {&u_, &trial_, &start_, &goal_, &gradient_}) a->assign(v.points, Vec3d(0, 0, 0));
     mass_.resize(v.points), free_.resize(v.points), right_.resize(v.points), step_.resize(v.points);
     size_.resize(v.points);
+    rounding_ = kDensityRounding * rest_stiffness(v.material) * m.rest_volume;
     const std::vector<double> whole(tets_.size(), 1);
     fastest_ = fastest_mode(m, v.points, v.material, v.density, whole, kModeIterations);
   }
@@ -222,7 +226,7 @@ class SoftImplicit final : public SoftSolver {
   }
 
   // Gradient and Hessian at u_; returns the residual, see above.
-  double linearise(const SoftView& v) {
+  double linearise(const SoftView& v, bool project) {
     matrix_.set_zero();
     const double none = kStrainRounding * rest_stiffness(v.material);
     for (std::uint32_t i = 0; i < v.points; ++i) {
@@ -231,7 +235,7 @@ class SoftImplicit final : public SoftSolver {
       matrix_.diagonal[i].diagonal().array() += m;
       size_[i] = length_of(gradient_[i]) + mass_[i] * double(length(v.acceleration[i]));
     }
-    for (const Tet& t : tets_) add_tet(v, t, none);
+    for (const Tet& t : tets_) add_tet(v, t, none, project);
     double residual = 0, scale = 0;
     for (std::uint32_t i = 0; i < v.points; ++i) {
       const double w = double(free_[i]);
@@ -242,12 +246,12 @@ class SoftImplicit final : public SoftSolver {
     return scale > 0 ? std::sqrt(residual / scale) : residual;
   }
 
-  void add_tet(const SoftView& v, const Tet& t, double none) {
+  void add_tet(const SoftView& v, const Tet& t, double none, bool project) {
     const Mat3d f = deform(t, u_);
     Mat3d stress = v.law->stress(v.material, f);
     CornerStiffness k;
-    corner_stiffness(*v.law, v.material, f, t.gradient, true, k);
-    if (lag_ > 0) add_damping(v, t, f, stress, k);
+    corner_stiffness(*v.law, v.material, f, t.gradient, project, k);
+    if (lag_ > 0) add_damping(v, t, f, project, stress, k);
     for (int c = 0; c < 4; ++c) {
       Vec3d force;
       force.noalias() = stress * t.gradient[c];
@@ -264,8 +268,9 @@ class SoftImplicit final : public SoftSolver {
     }
   }
 
-  // Stress F S of the change of strain, S = 2 mu E + lambda tr E 1, and its Hessian by Gauss and Newton.
-  void add_damping(const SoftView& v, const Tet& t, const Mat3d& f, Mat3d& stress, CornerStiffness& k) const {
+  // Stress F S of the change of strain, S = 2 mu E + lambda tr E 1, and its Hessian; by Gauss and Newton if `project`.
+  void add_damping(const SoftView& v, const Tet& t, const Mat3d& f, bool project, Mat3d& stress,
+                   CornerStiffness& k) const {
     const double mu = t.lag * v.material.mu, lame = t.lag * v.material.lame;
     Mat3d s = green(f) - t.strain;
     const double all = trace(s);
@@ -280,25 +285,32 @@ class SoftImplicit final : public SoftSolver {
       to += (mu * dot_of(t.gradient[a], t.gradient[b])) * square;
       to.noalias() += mu * along[b] * along[a].transpose();
       to.noalias() += lame * along[a] * along[b].transpose();
+      if (project) return;
+      const Vec3d pulled = s * t.gradient[b];
+      to.diagonal().array() += dot_of(t.gradient[a], pulled);
     };
     for (int c = 0; c < 4; ++c) add(c, c, k.diagonal[c]);
     for (int n = 0; n < 6; ++n) add(kCornerPairs[n][0], kCornerPairs[n][1], k.off[n]);
   }
 
+  // Near the minimum the Hessian is positive as it is, and converges faster than what was made so.
   void minimise(const SoftView& v, double now) {
+    bool project = true;
     for (int n = 0;; ++n) {
-      const double residual = linearise(v);
+      const double residual = linearise(v, project);
       if (residual <= tolerance_) return;
-      if (n == iterations_ || !direction(v, residual) || !search(v, now)) {
+      const bool gained = n < iterations_ && direction(v, residual, project) && search(v, now);
+      if (!gained && (project || n >= iterations_)) {
         // a step that gains nothing is rounding where the residual is small
-        missed_ = std::fmax(missed_, residual);
+        if (residual > missed_) missed_ = residual, steps_ = n;
         return;
       }
+      project = !(gained && direct_ && residual < kNear);
     }
   }
 
   // step_ towards the minimum of the quadratic model; false where there is none.
-  bool direction(const SoftView& v, double residual) {
+  bool direction(const SoftView& v, double residual, bool project) {
     double norm = 0;
     for (std::uint32_t i = 0; i < v.points; ++i) {
       right_[i] = free_[i] != 0 ? Vec3((-gradient_[i]).cast<Real>()) : Vec3(0, 0, 0);
@@ -306,6 +318,7 @@ class SoftImplicit final : public SoftSolver {
     }
     if (!std::isfinite(norm)) return false;
     bool factored = direct_ && ldl_.factor(matrix_, free_);
+    if (!factored && !project) return false;
     if (!factored) {
       const double forcing = std::fmin(kMaxForcing, std::sqrt(residual));
       const bool iterated = cg_.solve(matrix_, free_, right_, {forcing, cg_iterations_}, step_).converged;
@@ -327,7 +340,7 @@ class SoftImplicit final : public SoftSolver {
       for (std::uint32_t i = 0; i < v.points; ++i) trial_[i] = u_[i] + s * step_[i].cast<double>();
       if (afloat_) centre(v, trial_);
       const double then = energy(v, trial_);
-      if (!(then <= now + kArmijo * s * slope + kEnergyRounding * std::fabs(now))) continue;
+      if (!(then <= now + kArmijo * s * slope + kEnergyRounding * std::fabs(now) + rounding_)) continue;
       std::swap(u_, trial_);
       now = then;
       return true;
@@ -358,7 +371,7 @@ class SoftImplicit final : public SoftSolver {
   }
 
   double tolerance_;
-  int iterations_;
+  int iterations_, steps_ = 0;  // the latter: of Newton, where it missed the tolerance
   std::uint64_t version_ = ~std::uint64_t(0);
   Array<Tet> tets_;
   // displacements since the start of the step by point, m: reached, tried, at the start of the solver substep, of
@@ -377,6 +390,7 @@ class SoftImplicit final : public SoftSolver {
   int cg_iterations_ = 0;
   double h_ = 0, lag_ = 0;               // s; damping time beyond h, over h
   double total_mass_ = 0, fastest_ = 0;  // kg; w^2 of the fastest mode at rest, 1/s^2
+  double rounding_ = 0;                  // J, of the energy
   double missed_ = 0;                    // the largest residual above the tolerance in this step
 };
 

@@ -25,7 +25,8 @@
 namespace feder {
 namespace {
 
-constexpr double kRatePerSweep = 8;            // h^2 w^2 that a sweep copes with
+constexpr double kRatePerSweep = 3;            // h^2 w^2 that a sweep copes with
+constexpr double kMostRate = 16;               // the same, of any number of sweeps
 constexpr JobGrain kDescentGrain{8, 2'000};    // batches per job
 constexpr JobGrain kPointsGrain{1024, 4'000};  // points per job
 constexpr std::size_t kMaxSweepStages = 64;
@@ -45,10 +46,10 @@ class SoftVbd final : public SoftSolver {
 
   bool takes(const ElasticLaw& law) const override { return find(law) != nullptr; }
 
-  // So that its sweeps reach over the waves that a solver substep resolves.
+  // So that its sweeps reach over the waves that a solver substep resolves, and contacts bear it (implicit.cpp).
   double wanted_substeps(const SoftView& v, Real h) override {
     batches_.build(v);
-    return double(h) * std::sqrt(batches_.fastest() / (kRatePerSweep * iterations_));
+    return double(h) * std::sqrt(batches_.fastest() / std::fmin(kRatePerSweep * iterations_, kMostRate));
   }
 
   SoftStiffness prepare(const SoftView& v, Real h, StepContext&) override {
