@@ -7,23 +7,23 @@ namespace feder {
 
 // One tetrahedron of each of eight points, its other corners in the order of the mesh. Lanes without one name the point
 // itself and have no volume.
-struct PointTet {
+struct SoftPointTet {
   unsigned other[3][kLanes];
   Lane8x3 base[3];      // the others minus this at the start of the step, m
   Lane8x3 gradient[3];  // of the barycentric weights of the others at rest, 1/m
   Lane8 volume;         // m^3, at rest
 };
 
-struct PointBatch {
+struct SoftPointBatch {
   unsigned self[kLanes];
   unsigned first, last;  // its tetrahedra
   Lane8 mass;            // kg; 0: fixed, or an empty lane
   Lane8x3 goal;          // where inertia and forces from outside lead, displacement since the step began, m
 };
 
-struct PointPass {
-  const PointBatch* batches;
-  const PointTet* tets;
+struct SoftPointPass {
+  const SoftPointBatch* batches;
+  const SoftPointTet* tets;
   unsigned first, last;      // range of batches
   WideReal* delta_position;  // Row4 as four numbers each
   const WideReal* before;    // likewise, at the start of the solver substep
@@ -33,13 +33,13 @@ struct PointPass {
   WideReal mu, lame, shear, lambda, gamma;  // Pa, see SoftMaterial
 };
 
-struct PointKernels {
+struct SoftPointKernels {
   const char* law;
-  void (*begin)(const PointPass&);    // forces
-  void (*descend)(const PointPass&);  // a sweep
+  void (*begin)(const SoftPointPass&);    // forces
+  void (*descend)(const SoftPointPass&);  // a sweep
 };
 
-inline constexpr int kPointLaws = 2;
-extern const PointKernels kPointsPlain[kPointLaws], kPointsAvx2[kPointLaws];
+inline constexpr int kSoftPointLaws = 2;
+extern const SoftPointKernels kSoftPointsPlain[kSoftPointLaws], kSoftPointsAvx2[kSoftPointLaws];
 
 }  // namespace feder

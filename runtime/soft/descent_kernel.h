@@ -27,8 +27,8 @@ struct PointModel {
 //   mu' (1 - 1/(I + 1)) |g|^2 1 + 2 mu'/(I + 1)^2 (F g)(F g)^T + lambda' (cof F g)(cof F g)^T,  I = |F|^2,
 // is never negative.
 struct NeoHookean {
-  [[gnu::always_inline]] static inline void add(const PointPass& p, const Lanes3 (&f)[3], const Lanes3& g, Lanes volume,
-                                                bool hessian, PointModel& m) {
+  [[gnu::always_inline]] static inline void add(const SoftPointPass& p, const Lanes3 (&f)[3], const Lanes3& g,
+                                                Lanes volume, bool hessian, PointModel& m) {
     Lanes3 area[3];
     cofactors(f, area);
     const Lanes one = all_lanes(1), size = squares(f), inv = one / (size + one);
@@ -47,8 +47,8 @@ struct NeoHookean {
 // (g S g) 1 + mu (|g|^2 F F^T + (F g)(F g)^T) + lambda (F g)(F g)^T with the stress S = 2 mu E + lambda tr E 1; of the
 // first term what is positive.
 struct Stvk {
-  [[gnu::always_inline]] static inline void add(const PointPass& p, const Lanes3 (&f)[3], const Lanes3& g, Lanes volume,
-                                                bool hessian, PointModel& m) {
+  [[gnu::always_inline]] static inline void add(const SoftPointPass& p, const Lanes3 (&f)[3], const Lanes3& g,
+                                                Lanes volume, bool hessian, PointModel& m) {
     const Lanes one = all_lanes(1), half = all_lanes(0.5f);
     const Lanes mu = all_lanes(p.mu) * volume, lame = all_lanes(p.lame) * volume;
     const Lanes ex = dot(f[0], f[0]) - one, ey = dot(f[1], f[1]) - one, ez = dot(f[2], f[2]) - one;  // 2 E
@@ -67,10 +67,10 @@ struct Stvk {
 };
 
 template <class Law>
-[[gnu::always_inline]] inline void add_tets(const PointPass& p, const PointBatch& b, const WideReal* rows,
+[[gnu::always_inline]] inline void add_tets(const SoftPointPass& p, const SoftPointBatch& b, const WideReal* rows,
                                             const Lanes3& x, bool hessian, PointModel& m) {
   for (unsigned k = b.first; k < b.last; ++k) {
-    const PointTet& t = p.tets[k];
+    const SoftPointTet& t = p.tets[k];
     const Lanes zero = zero_lanes();
     Lanes3 f[3] = {{zero, zero, zero}, {zero, zero, zero}, {zero, zero, zero}}, own = {zero, zero, zero};
     for (int c = 0; c < 3; ++c) {
@@ -84,9 +84,9 @@ template <class Law>
 
 // Elastic forces at the start of the solver substep.
 template <class Law>
-void begin_points(const PointPass& p) {
+void begin_points(const SoftPointPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
-    const PointBatch& b = p.batches[i];
+    const SoftPointBatch& b = p.batches[i];
     PointModel m{};
     add_tets<Law>(p, b, p.before, gather(p.before, b.self).v, false, m);
     scatter(p.force, b.self, {m.force, zero_lanes()});
@@ -96,10 +96,10 @@ void begin_points(const PointPass& p) {
 // Each point to the minimum of the quadratic model of its own energy, the others held: H dx = f (Chen et al. 2024, eq.
 // 8 and 9), H = m/h^2 + sum over its tetrahedra.
 template <class Law>
-void descend_points(const PointPass& p) {
+void descend_points(const SoftPointPass& p) {
   const Lanes zero = zero_lanes();
   for (unsigned i = p.first; i < p.last; ++i) {
-    const PointBatch& b = p.batches[i];
+    const SoftPointBatch& b = p.batches[i];
     Rows8 x = gather(p.delta_position, b.self);
     const Lanes inertia = load(b.mass) * all_lanes(p.inv_h2);
     PointModel m{};
@@ -122,8 +122,9 @@ void descend_points(const PointPass& p) {
   }
 }
 
-constexpr PointKernels kPoints[kPointLaws] = {{"neo_hookean", begin_points<NeoHookean>, descend_points<NeoHookean>},
-                                              {"stvk", begin_points<Stvk>, descend_points<Stvk>}};
+constexpr SoftPointKernels kSoftPoints[kSoftPointLaws] = {
+    {"neo_hookean", begin_points<NeoHookean>, descend_points<NeoHookean>},
+    {"stvk", begin_points<Stvk>, descend_points<Stvk>}};
 
 }  // namespace
 }  // namespace feder

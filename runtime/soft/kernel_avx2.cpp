@@ -3,5 +3,5 @@
 
 namespace feder {
 const TetKernels kTetKernelsAvx2 = kTets;
-const PointKernels kPointsAvx2[kPointLaws] = {kPoints[0], kPoints[1]};
+const SoftPointKernels kSoftPointsAvx2[kSoftPointLaws] = {kSoftPoints[0], kSoftPoints[1]};
 }  // namespace feder

@@ -3,5 +3,5 @@
 
 namespace feder {
 const TetKernels kTetKernelsPlain = kTets;
-const PointKernels kPointsPlain[kPointLaws] = {kPoints[0], kPoints[1]};
+const SoftPointKernels kSoftPointsPlain[kSoftPointLaws] = {kSoftPoints[0], kSoftPoints[1]};
 }  // namespace feder

@@ -40,7 +40,7 @@ class SoftVbd final : public SoftSolver {
     const bool wide = wide_kernels(p);
     batches_.pick(wide);
 #if defined(__x86_64__) || defined(__i386__)
-    if (wide && runs_avx2()) table_ = kPointsAvx2;
+    if (wide && runs_avx2()) table_ = kSoftPointsAvx2;
 #endif
   }
 
@@ -60,7 +60,7 @@ class SoftVbd final : public SoftSolver {
     FEDER_ASSERT(kernels_);
     afloat_ = true;
     for (std::uint32_t i = 0; i < v.points; ++i) afloat_ = afloat_ && v.delta_position[i].w != 0;
-    for (PointBatch& b : points_)
+    for (SoftPointBatch& b : points_)
       for (int n = 0; n < kLanes; ++n) {
         const Real w = v.delta_position[b.self[n]].w;
         b.mass.v[n] = w != 0 ? 1 / w : Real(0);
@@ -73,13 +73,13 @@ class SoftVbd final : public SoftSolver {
   void advance(const SoftView& v, Real h, StepContext& c) override {
     FEDER_ASSERT(version_ == v.version && h > 0);
     step_ = h;
-    const PointPass p = pass(v, h);
+    const SoftPointPass p = pass(v, h);
     const auto goal = [&](std::uint32_t i) { return Vec3(v.before[i].vec() + h * v.velocity[i].vec()); };
     each_point(v, c, [&](std::uint32_t i) {
       v.before[i] = {v.delta_position[i].x, v.delta_position[i].y, v.delta_position[i].z, 0};
       if (v.delta_position[i].w != 0) v.velocity[i].add(h * v.acceleration[i]);
     });
-    for (PointBatch& b : points_)
+    for (SoftPointBatch& b : points_)
       for (int n = 0; n < kLanes; ++n) put(b.goal, n, goal(b.self[n]));
     // guess
     run(p, kernels_->begin, c);
@@ -90,7 +90,7 @@ class SoftVbd final : public SoftSolver {
     });
     for (int k = 0; k < iterations_; ++k)
       for_colors(colors_, kDescentGrain, stages_, *c.jobs, [&](std::uint32_t first, std::uint32_t last, int) {
-        PointPass part = p;
+        SoftPointPass part = p;
         part.first = first, part.last = last;
         kernels_->descend(part);
       });
@@ -117,7 +117,7 @@ class SoftVbd final : public SoftSolver {
       next = r.last;
     }
     FEDER_ASSERT(next == points_.size());
-    for (const PointBatch& b : points_) {
+    for (const SoftPointBatch& b : points_) {
       FEDER_ASSERT(b.first <= b.last && b.last <= tets_.size());
       for (const unsigned i : b.self) FEDER_ASSERT(i <= v.points);
     }
@@ -128,14 +128,14 @@ class SoftVbd final : public SoftSolver {
     std::uint32_t first, last;  // batches
   };
 
-  const PointKernels* find(const ElasticLaw& law) const {
-    for (int k = 0; k < kPointLaws; ++k)
+  const SoftPointKernels* find(const ElasticLaw& law) const {
+    for (int k = 0; k < kSoftPointLaws; ++k)
       if (std::strcmp(table_[k].law, law.name) == 0) return &table_[k];
     return nullptr;
   }
 
-  PointPass pass(const SoftView& v, Real h) {
-    PointPass p{};
+  SoftPointPass pass(const SoftView& v, Real h) {
+    SoftPointPass p{};
     p.batches = points_.data(), p.tets = tets_.data();
     p.delta_position = &v.delta_position->x, p.before = &v.before->x, p.force = &force_[0].x;
     p.inv_h2 = 1 / (h * h), p.relaxation = relaxation_;
@@ -152,10 +152,10 @@ class SoftVbd final : public SoftSolver {
     });
   }
 
-  void run(const PointPass& p, void (*kernel)(const PointPass&), StepContext& c) {
+  void run(const SoftPointPass& p, void (*kernel)(const SoftPointPass&), StepContext& c) {
     c.jobs->for_blocks(static_cast<std::uint32_t>(points_.size()), kDescentGrain,
                        [&](std::uint32_t first, std::uint32_t last, int) {
-                         PointPass part = p;
+                         SoftPointPass part = p;
                          part.first = first, part.last = last;
                          kernel(part);
                        });
@@ -164,7 +164,7 @@ class SoftVbd final : public SoftSolver {
   static void put(Lane8x3& to, int n, const Vec3& d) { to.x.v[n] = d[0], to.y.v[n] = d[1], to.z.v[n] = d[2]; }
 
   // Of lanes without a tetrahedron: unit edges.
-  static Vec3 edge(const SoftView& v, const PointTet& t, const PointBatch& b, int c, int n) {
+  static Vec3 edge(const SoftView& v, const SoftPointTet& t, const SoftPointBatch& b, int c, int n) {
     if (t.other[c][n] == b.self[n]) return Vec3::Unit(c);
     return v.position[t.other[c][n]] - v.position[b.self[n]];
   }
@@ -201,11 +201,11 @@ class SoftVbd final : public SoftSolver {
 
   int iterations_;
   Real relaxation_;
-  const PointKernels *table_ = kPointsPlain, *kernels_ = nullptr;
+  const SoftPointKernels *table_ = kSoftPointsPlain, *kernels_ = nullptr;
   SoftBatches batches_;  // damping
   std::uint64_t version_ = ~std::uint64_t(0);
-  Array<PointBatch> points_;  // by colour
-  Array<PointTet> tets_;      // by batch
+  Array<SoftPointBatch> points_;  // by colour
+  Array<SoftPointTet> tets_;      // by batch
   Array<Range> colors_;
   Array<Row4> force_;  // by point, N
   JobPool::Stage stages_[kMaxSweepStages];
@@ -245,13 +245,13 @@ void SoftVbd::build(const SoftView& v) {
                      [&](std::uint32_t a, std::uint32_t b) { return at[a].size() > at[b].size(); });
     const auto first = static_cast<std::uint32_t>(points_.size());
     for (std::size_t from = 0; from < members.size(); from += kLanes) {
-      PointBatch b{};
+      SoftPointBatch b{};
       b.first = static_cast<unsigned>(tets_.size());
       const std::size_t most = at[members[from]].size();
       for (std::size_t lane = 0; lane < kLanes; ++lane)
         b.self[lane] = from + lane < members.size() ? members[from + lane] : v.points;
       for (std::size_t k = 0; k < most; ++k) {
-        PointTet t{};
+        SoftPointTet t{};
         for (std::size_t lane = 0; lane < kLanes; ++lane) {
           const std::uint32_t i = b.self[lane];
           for (auto& other : t.other) other[lane] = i;
