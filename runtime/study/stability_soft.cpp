@@ -136,10 +136,12 @@ std::vector<SoftMapRow> soft_rows() {
 
 StabilityCell run_soft(const SoftMapRow& row, const std::string& method, double x, double y,
                        const StabilityThresholds& limits) {
-  SoftCell c = row.make(method, x, y);
-  StabilityRun run{*c.world, c.seconds, c.energy};
-  run.error = [&c] { return std::isnan(c.expected) ? NAN : c.error(c) / c.length; };
-  return run_cell(run, x, y, limits);
+  return checked_cell(x, y, [&](StabilityCell& cell) {
+    SoftCell c = row.make(method, x, y);
+    StabilityRun run{*c.world, c.seconds, c.energy};
+    run.error = [&c] { return std::isnan(c.expected) ? NAN : c.error(c) / c.length; };
+    cell = run_cell(run, x, y, limits);
+  });
 }
 
 }  // namespace
