@@ -1,4 +1,4 @@
-// Soft bodies at rest against beams: bent under their own weight, and twisted. Backward Euler in long steps goes to
+// Soft bodies against beams: bent under their own weight, twisted, and swinging. Backward Euler in long steps goes to
 // rest at once, so `implicit` finds it; the other solvers have to hang where it does.
 #include "soft_bodies.h"
 
@@ -41,14 +41,14 @@ struct Beam {
   ObjectId id;
 };
 Beam clamped_beam(WorldDesc desc, std::uint32_t across, double gamma, double nu, const std::string& solver,
-                  int substeps) {
+                  int substeps, double damping = 0.05) {
   desc.sleeping = false;
   Beam b{std::make_unique<World>(desc, catalog()), {}};
   Soft& soft = b.world->need<Soft>();
   const Real side = static_cast<Real>(1 / kSlenderness);
   SoftDesc d = soft_box(vec3(1, side, side), static_cast<std::uint32_t>(kSlenderness) * across);
   d.young = static_cast<Real>(12 * kWeight / (gamma * number(side) * number(side)));
-  d.poisson = static_cast<Real>(nu), d.damping = Real(0.05), d.solver = solver, d.substeps = substeps,
+  d.poisson = static_cast<Real>(nu), d.damping = static_cast<Real>(damping), d.solver = solver, d.substeps = substeps,
   d.self_collision = false;
   b.id = soft.add_soft(d);
   for (std::size_t i = 0; i < soft.point_count(b.id); ++i)
@@ -79,6 +79,42 @@ double drop_at_rest(std::uint32_t across, double gamma, double nu) {
   }
   CHECK(b.world->energy().kinetic < 1e-9);
   return drop_of(b);
+}
+
+// Of a clamped beam with shear and rotary inertia (Timoshenko 1921), rad/s: the frequency at which a motion that begins
+// at the clamp can end free. Of 1 m, side 1/kSlenderness, nu 0.
+double clamped_frequency(double young, double density) {
+  const double side = 1 / kSlenderness, area = side * side, moment = area * area / 12;
+  const double bend = young * moment, shear = young / 2 * area * 5 / 6;
+  const auto end = [&](double w2) {  // determinant of moment and shear force at the free end
+    constexpr int kParts = 2000;
+    const double h = 1.0 / kParts;
+    double last[2][2];
+    for (int start = 0; start < 2; ++start) {
+      double s[4] = {0, 0, start == 0 ? 1.0 : 0.0, start == 1 ? 1.0 : 0.0};  // place, angle, moment, shear force
+      const auto slope = [&](const double(&y)[4], double(&d)[4]) {
+        d[0] = y[1] + y[3] / shear, d[1] = y[2] / bend;
+        d[2] = -y[3] - density * moment * w2 * y[1], d[3] = -density * area * w2 * y[0];
+      };
+      for (int k = 0; k < kParts; ++k) {
+        double d[4], middle[4];
+        slope(s, d);
+        for (int n = 0; n < 4; ++n) middle[n] = s[n] + 0.5 * h * d[n];
+        slope(middle, d);
+        for (int n = 0; n < 4; ++n) s[n] += h * d[n];
+      }
+      last[start][0] = s[2], last[start][1] = s[3];
+    }
+    return last[0][0] * last[1][1] - last[0][1] * last[1][0];
+  };
+  const double thin = 3.51602 * std::sqrt(bend / (density * area));
+  double lo = 0.5 * thin, hi = 1.1 * thin;
+  const bool rises = end(lo * lo) < 0;
+  for (int k = 0; k < 60; ++k) {
+    const double middle = 0.5 * (lo + hi);
+    ((end(middle * middle) < 0) == rises ? lo : hi) = middle;
+  }
+  return lo;
 }
 
 }  // namespace
@@ -133,6 +169,31 @@ TEST_CASE("a square bar resists twisting as Saint-Venant says", "[soft][heavy]")
   const double torque = 2 * w.energy().elastic / theta;
   CHECK(rate * length / theta == Approx(1).epsilon(0.05));
   CHECK(torque / (0.1406 * side * side * side * side * shear * rate) == Approx(1).epsilon(0.05));
+}
+
+TEST_CASE("a clamped beam swings at Timoshenko's frequency", "[soft][heavy]") {
+  WorldDesc desc = weightless();
+  const double gamma = 12 * kWeight / (1e6 / (kSlenderness * kSlenderness)), wanted = clamped_frequency(1e6, 1000);
+  const Beam b = clamped_beam(desc, 8, gamma, 0, "xpbd", 0, 0);  // of 1 MPa
+  Soft& soft = b.world->need<Soft>();
+  for (std::size_t i = 0; i < soft.point_count(b.id); ++i) {
+    const double z = 1.8751 * (number(soft.rest_point(b.id, i)[0]) + 0.5);
+    const double shape = std::cosh(z) - std::cos(z) - 0.73410 * (std::sinh(z) - std::sin(z));
+    soft.set_velocity(b.id, i, vec3(0, static_cast<Real>(0.02 * shape), 0));
+  }
+  double last = 0, first_time = 0, last_time = 0;
+  int crossings = 0;
+  for (int k = 1; k <= 140 && crossings < 4; ++k) {
+    b.world->step();
+    const double now = drop_of(b);
+    if (last * now < 0) {
+      last_time = (k - 1 + last / (last - now)) / 60;
+      if (crossings++ == 0) first_time = last_time;
+    }
+    last = now;
+  }
+  REQUIRE(crossings == 4);
+  CHECK(3.14159265358979 * 3 / (last_time - first_time) == Approx(wanted).epsilon(0.03));
 }
 
 }  // namespace feder::test
