@@ -74,6 +74,12 @@ void read_soft_solver(Options& o, const OptionRow&, SoftReading& desc) {
 
 std::string show_soft_solver(const SoftReading& desc) { return print_value(desc.solver); }
 
+void read_elasticity(Options& o, const OptionRow&, SoftReading& desc) {
+  if (o.text("elasticity", desc.elasticity)) find_variant(elastic_laws(), desc.elasticity, "law of elasticity");
+}
+
+std::string show_elasticity(const SoftReading& desc) { return print_value(desc.elasticity); }
+
 constexpr Option<SoftReading> kSoft[] = {
     field<&SoftDesc::name>("name"),
     special("points", "list of vectors or buffer", read_soft_points, "m"),
@@ -97,7 +103,8 @@ constexpr Option<SoftReading> kSoft[] = {
     field<&SoftDesc::substeps>("substeps", "", {1, 10000}).unset(),
     field<&SoftDesc::max_substeps>("max_substeps", "", {0, 10000}),
     {{.name = "solver"}, "string", read_soft_solver, show_soft_solver, nullptr, names_of<soft_solvers>},
-    field<&SoftDesc::solver_options>("solver_options"),
+    field<&SoftDesc::solver_options>("solver_options").with(options_of<soft_solvers>),
+    {{.name = "elasticity"}, "string", read_elasticity, show_elasticity, nullptr, names_of<elastic_laws>},
     special("pins", "list of point numbers", read_soft_pins),
     special("color", "color", read_color<SoftReading>),
     later<SoftReading>("tags", kWordsType),

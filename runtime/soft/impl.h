@@ -39,6 +39,8 @@ struct SoftState {
   std::uint32_t fresh = 1, frozen = 0, asleep = 0;  // 1: not stepped yet; quarantined; asleep
   std::int32_t substeps = 1;                        // as last chosen for it
   std::uint32_t warned = 0;                         // 1: the cap of solver substeps was reported
+  std::uint32_t warned_shortfall = 0;               // 1: so was a solver that did not reach its tolerance
+  std::uint32_t warned_inverted = 0;                // 1: so were inverted tetrahedra that its law does not turn back
 };
 
 // Of a soft body whose energy jumped.
@@ -60,6 +62,7 @@ struct SoftBody {
   std::string solver_name;
   Params solver_options;
   std::unique_ptr<SoftSolver> solver;
+  const ElasticLaw* law = nullptr;  // saved by its name
 
   // follow from those
   SoftMaterial material;
@@ -122,7 +125,9 @@ struct Soft::Impl {
   }
   std::uint32_t point(ObjectId id, std::size_t i) const;  // SceneError when there is none
   void declare_surfaces();
-  void attach_solver(SoftBody& b, const std::string& name, const Params& options);
+  // SceneError when the solver does not have the law; `owner` begins it.
+  void attach_solver(SoftBody& b, const std::string& name, const Params& options, const std::string& law,
+                     const std::string& owner);
   SoftView view(SoftBody& b);
   void wake(SoftBody& b, WakeCause cause, ObjectId other);
   void put_to_sleep(SoftBody& b);
@@ -138,6 +143,8 @@ struct Soft::Impl {
   void commit(StepContext& c);
 
   void choose_substeps(SoftBody& b, StepContext& c);
+  void check_shortfall(SoftBody& b);
+  void check_inverted(SoftBody& b);
   void warn_of_cap(SoftBody& b, double wanted, int cap);
   void add_forces(SoftBody& b, StepContext& c);
   void update_sleep(SoftBody& b, StepContext& c);

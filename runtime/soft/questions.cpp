@@ -17,8 +17,6 @@ std::array<Double3, 3> gradient_of(const SoftBody& b, std::size_t k, const Corne
   return f;
 }
 
-double determinant(const std::array<Double3, 3>& f) { return dot(f[0], cross(f[1], f[2])); }
-
 // Largest |s - 1| over the singular values s of F.
 double strain_of(const SoftBody& b, std::size_t k) {
   const std::array<Double3, 3> f = gradient_of(b, k, b.corners(k));
@@ -44,13 +42,14 @@ double volume_of(const SoftBody& b) {
 
 double SoftBody::elastic_energy(const Array<Vec3>& x) const {
   double sum = 0;
-  const SoftMaterial& m = material;
   for (std::size_t k = 0; k < mesh.tetrahedra.size(); ++k) {
-    const std::array<Double3, 3> f = gradient_of(*this, k, corners(k, x));
-    const double square = dot(f[0], f[0]) + dot(f[1], f[1]) + dot(f[2], f[2]), beyond = determinant(f) - m.gamma;
-    const double rest = 1 - m.gamma;
-    sum += double(mesh.volume[k]) *
-           (m.shear / 2 * (square - 3 - std::log((square + 1) / 4)) + m.lambda / 2 * (beyond * beyond - rest * rest));
+    const std::array<Double3, 3> columns = gradient_of(*this, k, corners(k, x));
+    Mat3d f;
+    for (int j = 0; j < 3; ++j) {
+      const Double3& c = columns[static_cast<std::size_t>(j)];
+      f(0, j) = c.x, f(1, j) = c.y, f(2, j) = c.z;
+    }
+    sum += double(mesh.volume[k]) * law->energy(material, f);
   }
   return sum;
 }
@@ -163,7 +162,7 @@ void Soft::notes(std::vector<Note>& out) const {
   for (const auto& b : impl_->bodies) {
     std::string text = std::to_string(b->mesh.tetrahedra.size()) + " tetrahedra, " + std::to_string(b->size()) +
                        " points, " + std::to_string(b->mesh.skin.size() / 3) + " triangles of skin; " + b->solver_name +
-                       ", " + std::to_string(b->state.substeps) + " solver substeps";
+                       ", " + b->law->name + ", " + std::to_string(b->state.substeps) + " solver substeps";
     if (b->share < 1) text += ", acts with " + print_number(std::round(b->share * 1000) / 10) + " % of its stiffness";
     out.push_back({b->object, text});
   }

@@ -28,6 +28,7 @@ void Soft::save(Writer& w) const {
     SoftMesh::each_saved(std::as_const(b->mesh), saved_to(w));
     w.text(b->solver_name);
     b->solver_options.save(w);
+    w.text(b->law->name);
   }
 }
 
@@ -46,7 +47,9 @@ void Soft::load(Reader& r) {
     r.text(name);
     Params options;
     options.load(r);
-    m.attach_solver(*b, name, options);
+    std::string law;
+    r.text(law);
+    m.attach_solver(*b, name, options, law, "soft");
     b->derive();
     m.bodies.push_back(std::move(b));
   }

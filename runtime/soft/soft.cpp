@@ -88,9 +88,24 @@ void SoftBody::derive() {
   derive_mass();
 }
 
-void Soft::Impl::attach_solver(SoftBody& b, const std::string& name, const Params& options) {
+void Soft::Impl::attach_solver(SoftBody& b, const std::string& name, const Params& options, const std::string& law,
+                               const std::string& owner) {
   b.solver = find_variant(soft_solvers(), name, "solver of soft bodies").make(arena, options);
   options.check_all_read(name);
+  b.law = &find_variant(elastic_laws(), law, "law of elasticity");
+  if (!b.solver->takes(*b.law)) {
+    const Params none;
+    std::string laws, solvers;
+    const auto add = [](std::string& list, const char* word) {
+      list += (list.empty() ? "" : ", ") + std::string(word);
+    };
+    for (const ElasticLaw& l : elastic_laws())
+      if (b.solver->takes(l)) add(laws, l.name);
+    for (const Variant<SoftSolver>& s : soft_solvers())
+      if (s.make(arena, none)->takes(*b.law)) add(solvers, s.name);
+    throw SceneError(owner + ": elasticity: expected what " + name + " has (" + laws + "), got " + law +
+                     (solvers.empty() ? "" : "; solvers that have it: " + solvers));
+  }
   b.solver_name = name, b.solver_options = options;
 }
 
@@ -126,7 +141,7 @@ ObjectId Soft::add_soft(const SoftDesc& desc) {
     need_soft(i < n, owner, "pins", ("point numbers from 1 to " + std::to_string(n)).c_str(), double(i) + 1);
     b->inv_mass[i] = 0, b->velocity[i] = Vec3::Zero();
   }
-  m.attach_solver(*b, desc.solver, desc.solver_options);
+  m.attach_solver(*b, desc.solver, desc.solver_options, desc.elasticity, owner);
   b->derive();
 
   // nothing can fail from here on

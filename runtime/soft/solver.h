@@ -4,24 +4,16 @@
 //  - a body in equilibrium has the strain of its material;
 //  - no allocation after the first step, the same bits for any thread count.
 #pragma once
+#include <string>
+
 #include "base/registry.h"
 #include "feder/params.h"
 #include "feder/plan.h"
+#include "soft/elasticity.h"
 #include "soft/tetrahedra.h"
 #include "state/surface.h"
 
 namespace feder {
-
-// Lame's constants, and those of the stable neo-Hookean energy (Smith, de Goes and Kim, "Stable Neo-Hookean Flesh
-// Simulation", TOG 2018, eq. 14), which agree with them for small strains:
-//   Psi = mu'/2 (|F|^2 - 3) - mu'/2 log(|F|^2 + 1) + lambda'/2 (J - gamma)^2,  gamma = 1 + 3/4 mu'/lambda'
-// Without the logarithm a tetrahedron that is squeezed to a point would stay there.
-struct SoftMaterial {
-  double mu = 0, lame = 0;                  // Pa
-  double shear = 0, lambda = 0, gamma = 1;  // mu', lambda', Pa
-  double bulk() const { return lame + mu * 2 / 3; }
-};
-SoftMaterial soft_material(double young, double poisson);
 
 // View of a soft body for its solver in a step; indices from 0 within it.
 struct SoftView {
@@ -29,6 +21,7 @@ struct SoftView {
   std::uint32_t points = 0;   // the next one is the spare that empty lanes may point to
   std::uint64_t version = 0;  // changes with mesh and material
   SoftMaterial material;
+  const ElasticLaw* law = nullptr;     // of elasticity
   double density = 0;                  // kg/m^3
   Real damping = 0;                    // s
   const Vec3* position = nullptr;      // at the start of the step, m
@@ -50,12 +43,19 @@ class SoftSolver {
   virtual ~SoftSolver() = default;
   // Solver substeps that a substep of h needs for the stiffness of the material, from mesh and material alone.
   virtual double wanted_substeps(const SoftView& soft, Real h) = 0;
+  // Does it have this law? Else such a body is an error.
+  virtual bool takes(const ElasticLaw& law) const = 0;
   // Once per step, before the first substep; h: one solver substep.
   virtual SoftStiffness prepare(const SoftView& soft, Real h, StepContext& c) = 0;
   // One solver substep of h: writes `delta_position`, and `before`, from which velocities will be read after contacts
   // have corrected `delta_position`: with w 0 the start of the solver substep (velocity = difference/h), with w 1 its
   // end, `velocity` being written already (velocity += difference/h).
   virtual void advance(const SoftView& soft, Real h, StepContext& c) = 0;
+  // Once per substep, after the last solver substep and what contacts did: takes strain rate out of `velocity`.
+  virtual void damp(const SoftView&, Real /*h*/, StepContext&) {}
+  // What its iterations did not reach in this step, and the cure: "" when they reached their tolerance. Once per step,
+  // after the last substep.
+  virtual std::string shortfall() const { return ""; }
   // Asserts that its elements are those of this mesh, unless the mesh is newer than they are.
   virtual void validate(const SoftView&) const {}
 };

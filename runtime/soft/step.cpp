@@ -12,7 +12,6 @@ namespace {
 // Of a body of at least so many tetrahedra solver substeps are dear; a smaller one may have more of them.
 constexpr double kLarge = 5000, kUsual = 64, kMost = 1000;
 constexpr double kNoticed = 0.99;  // of the stiffness: less is a warning
-constexpr double kDamped = 2;      // solver substeps at least: damping wants to know what contacts do
 
 int soft_cap(const SoftBody& b) {
   if (b.settings.max_substeps > 0) return b.settings.max_substeps;
@@ -27,7 +26,7 @@ SoftView Soft::Impl::view(SoftBody& b) {
   v.mesh = &b.mesh;
   v.points = b.size();
   v.version = b.version;
-  v.material = b.material, v.density = double(b.settings.density), v.damping = b.settings.damping;
+  v.material = b.material, v.law = b.law, v.density = double(b.settings.density), v.damping = b.settings.damping;
   if (b.surface >= surfaces.list.size()) return v;
   const std::uint32_t first = surfaces.list[b.surface].first;
   v.position = surfaces.position.data() + first;
@@ -57,8 +56,7 @@ void Soft::Impl::choose_substeps(SoftBody& b, StepContext& c) {
     return;
   }
   const double wanted = b.solver->wanted_substeps(view(b), c.h);
-  const double least = b.settings.damping > 0 ? kDamped : 1;
-  b.state.substeps = static_cast<std::int32_t>(std::fmin(std::fmax(std::ceil(wanted), least), soft_cap(b)));
+  b.state.substeps = static_cast<std::int32_t>(std::fmin(std::fmax(std::ceil(wanted), 1), soft_cap(b)));
 }
 
 // The surfaces of the bodies in this step, at rest where they start.
@@ -190,7 +188,29 @@ void Soft::Impl::read_velocities(StepContext& c) {
       b.steady_contact[k] = steady ? (dot(now, now) < dot(last, last) ? now : last) : Vec3(0, 0, 0);
       b.contact[k] = now;
     }
+    if (c.inner.last()) b.solver->damp(view(b), c.h, c);
   });
+}
+
+void Soft::Impl::check_shortfall(SoftBody& b) {
+  if (b.state.warned_shortfall) return;
+  const std::string what = b.solver->shortfall();
+  if (what.empty()) return;
+  b.state.warned_shortfall = 1;
+  events.warn("unconverged", objects.describe(b.object) + ": " + b.solver_name + " " + what, b.object);
+}
+
+void Soft::Impl::check_inverted(SoftBody& b) {
+  if (b.law->turns_back || b.state.warned_inverted) return;
+  std::size_t count = 0;
+  for (std::size_t k = 0; k < b.mesh.tetrahedra.size(); ++k) count += tetrahedron_volume(b.corners(k)) <= 0;
+  if (count == 0) return;
+  b.state.warned_inverted = 1;
+  events.warn("inverted",
+              objects.describe(b.object) + ": " + std::to_string(count) + " of " +
+                  std::to_string(b.mesh.tetrahedra.size()) + " tetrahedra are turned inside out, where " + b.law->name +
+                  " is at rest too: they may stay so; elasticity = \"neo_hookean\" turns them back",
+              b.object);
 }
 
 void Soft::Impl::commit(StepContext& c) {
@@ -221,6 +241,7 @@ void Soft::Impl::commit(StepContext& c) {
       b.velocity[i] = surfaces.velocity[s.first + i].vec() + lead;
     }
     b.set_flight(flight);
+    check_shortfall(b), check_inverted(b);
     watch(b, c);
     update_sleep(b, c);
   }

@@ -8,6 +8,7 @@
 // they may not, all of the body acts softer, with a warning (step.cpp).
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 #include "base/jobs.h"
 #include "soft/batches.h"
@@ -18,6 +19,7 @@ namespace feder {
 namespace {
 
 constexpr JobGrain kGrain{1024, 4'000};  // points per job
+constexpr double kDamped = 2;            // solver substeps at least: damping wants to know what contacts do
 
 class SoftXpbd final : public SoftSolver {
  public:
@@ -25,8 +27,11 @@ class SoftXpbd final : public SoftSolver {
 
   double wanted_substeps(const SoftView& v, Real h) override {
     batches_.build(v);
-    return double(h) * std::sqrt(batches_.fastest() / kResolved);
+    const double least = v.damping > 0 ? kDamped : 1;
+    return std::fmax(double(h) * std::sqrt(batches_.fastest() / kResolved), least);
   }
+
+  bool takes(const ElasticLaw& law) const override { return std::strcmp(law.name, "neo_hookean") == 0; }
 
   SoftStiffness prepare(const SoftView& v, Real h, StepContext&) override {
     batches_.build(v);

@@ -29,9 +29,9 @@ ELSEWHERE = {"rope": {"bindings/lua/joint.cpp"}, "springs": {"bindings/view/togg
                          "bindings/lua/expect_world.cpp"}}
 # A variant's name in quotes is its own only where its family is named too: "drag" is an option of cloth elsewhere.
 FAMILY = {"forces": "force_kinds", "constrain": "joint_kinds", "broad": "broad_phases", "rigid": "rigid_solver",
-          "cloth": "cloth_solver", "soft": "soft_solver", "fluid": "fluid_solver", "integrate": r"integrators\b",
-          "neighbors": "neighbor_searches", "bounds": "bounding_volumes", "bounds.builds": "tree_builds",
-          "bounds.searches": "box_searches",
+          "cloth": "cloth_solver", "soft": "soft_solver", "soft.laws": "elastic_laws", "fluid": "fluid_solver",
+          "integrate": r"integrators\b", "neighbors": "neighbor_searches", "bounds": "bounding_volumes",
+          "bounds.builds": "tree_builds", "bounds.searches": "box_searches",
           "geom.indexes": "triangle_indexes"}
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
 HASH_COMMENT = re.compile(r"#[^\n]*")

@@ -77,6 +77,9 @@ def cases():
                 solvers = {f"{x} {y}".strip() for x in KINDS[below] for y in KINDS[above]}
             for solver in sorted(solvers):
                 yield PAIR, f"--set below={below} --set above={above} {solver}".strip(), 1 / 60
+    for below in ("rigid", "soft"):
+        for soft in ("vbd", "vbd --set elasticity=stvk", "implicit", "implicit --set elasticity=corotated"):
+            yield PAIR, f"--set below={below} --set above=soft --set soft={soft}", 1 / 60
     yield GROUPS, "--set sheets=3", 1 / 60
     for integrator in integrators()[:1] + integrators()[2:]:
         yield PAIR, f"--set below=net --set above=rigid --set integrator={integrator}", 1 / 60

@@ -17,9 +17,9 @@ import tempfile
 # worst first, as in feder/study.h
 ORDER = ["nan", "diverged", "growing", "stuck", "damped", "inaccurate", "slow", "refused", "stable"]
 KEY = ("problem", "method", "x", "y")
-# nets by every integrator, bodies, cloth and fluids by every solver of theirs
+# nets by every integrator, bodies, cloth, soft bodies and fluids by every solver of theirs
 PROBLEMS = ("oscillator chain swinging_chain stack heavy size far bullet spin friction hinged_rod jointed_chain "
-            "hanging_sheet drape pinned_gap sheet_substeps water_column floating water_substeps "
+            "hanging_sheet drape pinned_gap sheet_substeps soft_bar soft_cantilever soft_scatter water_column floating water_substeps "
             "water_depth water_iterations").split()
 
 

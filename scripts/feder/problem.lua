@@ -61,6 +61,26 @@ function problem.cloth_ladders(solvers, seconds, substeps)
   }
 end
 
+-- A soft body as its ladders want it: xpbd takes the substeps that its stiffness needs, others those of the world.
+function problem.soft(solver, iterations, options)
+  options.solver, options.self_collision = solver, false
+  if solver ~= "xpbd" then options.substeps = 1 end
+  if iterations > 0 then options.solver_options = { iterations = iterations } end
+  return options
+end
+
+-- About `rate` steps a second: substeps, steps, and sweeps of those that sweep.
+function problem.soft_ladders(solvers, seconds, rate, substeps)
+  local function dt(factor) return seconds / math.ceil(factor * rate * seconds - 1e-9) end
+  local middle = substeps[(#substeps + 1) // 2]
+  return {
+    { methods = { "xpbd" }, dt = { dt(1) }, substeps = { substeps[1], middle } },
+    { methods = problem.others(solvers, "xpbd"), dt = { dt(1) }, substeps = substeps },
+    { dt = { dt(0.5), dt(1), dt(2) }, substeps = { middle } },
+    { methods = { "vbd" }, dt = { dt(1) }, substeps = { middle }, iterations = { 1, 2, 4, 8, 16, 32 } },
+  }
+end
+
 -- What the studies of cloth at rest have in common: the places of rest as reference, the energy there. `cloth_` and
 -- `energy_` are functions, as there is no cloth before `build`.
 function problem.of_cloth(cloth_, rest, energy_, iterations, declaration)

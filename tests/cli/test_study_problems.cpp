@@ -25,6 +25,8 @@ const std::map<std::string, std::string> kRungs = {
     {"cantilever", "substeps:8,64"},
     {"drum", "substeps:2,8"},
     {"balloon", "substeps:2,8"},
+    {"soft_bar", "substeps:1,8"},
+    {"soft_cantilever", "substeps:2,16"},
     {"drape", "substeps:2,8"},
     {"capstan", "substeps:2,8"},
     {"hydrostatic", "substeps:2,8"},

@@ -7,6 +7,8 @@ local kinds = { "rigid", "net", "cloth", "rope", "soft", "fluid" }
 local below = feder.param("below", "rigid", { choices = kinds })
 local above = feder.param("above", "rigid", { choices = kinds })
 local cloth = feder.param("cloth", "xpbd", { choices = { "xpbd", "mass_spring", "vbd", "implicit" } })
+local soft = feder.param("soft", "xpbd", { choices = { "xpbd", "vbd", "implicit" } })
+local elasticity = feder.param("elasticity", "neo_hookean", { choices = { "neo_hookean", "corotated", "stvk" } })
 local fluid = feder.param("fluid", "pbf", { choices = { "pbf", "wcsph", "dfsph" } })
 local integrator = feder.param("integrator", "symplectic_euler", { choices = { "explicit_euler", "symplectic_euler",
   "midpoint", "heun", "rk2", "rk4", "leapfrog", "velocity_verlet", "yoshida4", "rk45", "implicit_euler",
@@ -45,7 +47,7 @@ end
 
 function make.soft(world, name, y, held)
   local block = world:soft { name = name, shape = feder.box(0.8, 0.16, 0.3), resolution = 8, position = { 0.05, y, -0.02 },
-    density = 400, young = 1e5, friction = 0.3 }
+    density = 400, young = 1e5, friction = 0.3, solver = soft, elasticity = elasticity }
   for i = 1, held and (block:count()) or 0 do
     if math.abs(block:rest_point(i)) > 0.39 then block:pin(i) end
   end

@@ -54,6 +54,24 @@ TEST_CASE("a rope, a cloth, a net and a body hang from a soft body", "[lua][soft
   )") == "true\ttrue\ttrue\ttrue\n");
 }
 
+TEST_CASE("every solver of soft bodies and every law of elasticity is there for scripts", "[lua][soft]") {
+  CHECK(output_of(R"(
+    for _, solver in ipairs(feder.choices("soft.solver")) do
+      for _, law in ipairs(feder.choices("soft.elasticity")) do
+        local ok = pcall(function()
+          local jelly = world:soft{ shape = feder.box(0.2, 0.2, 0.2), resolution = 2, position = {0, 3, 0}, solver = solver,
+            elasticity = law }
+          world:step(3)
+          assert(jelly:strain() < 1e-5)
+          jelly:destroy()
+        end)
+        if ok then print(solver, law) end
+      end
+    end
+  )") == "xpbd\tneo_hookean\nvbd\tneo_hookean\nvbd\tstvk\nimplicit\tneo_hookean\nimplicit\tcorotated\n"
+         "implicit\tstvk\n");
+}
+
 TEST_CASE("soft bodies that cannot be are errors with what was expected", "[lua][soft]") {
   const auto error = [](const std::string& options) { return error_of("world:soft{ " + options + " }"); };
   CHECK_THAT(error(""), Catch::Contains("shape: expected a shape, or points and tetrahedra, got nil"));
@@ -65,6 +83,12 @@ TEST_CASE("soft bodies that cannot be are errors with what was expected", "[lua]
   CHECK_THAT(error("shape = feder.box(1, 1, 1), poisson = 0.5"), Catch::Contains("poisson: expected"));
   CHECK_THAT(error("shape = feder.box(1, 1, 1), young = 0"), Catch::Contains("young: expected"));
   CHECK_THAT(error("shape = feder.box(1, 1, 1), solver = 'xpdb'"), Catch::Contains("xpbd"));
+  CHECK_THAT(error("shape = feder.box(1, 1, 1), elasticity = 'stvk'"),
+             Catch::Contains("elasticity: expected what xpbd has (neo_hookean), got stvk") &&
+                 Catch::Contains("vbd, implicit"));
+  CHECK_THAT(error("shape = feder.box(1, 1, 1), elasticity = 'corotatd'"), Catch::Contains("corotated"));
+  CHECK_THAT(error("shape = feder.box(1, 1, 1), solver = 'implicit', solver_options = { iteration = 5 }"),
+             Catch::Contains("iterations"));
   CHECK_THAT(error("shape = feder.plane()"), Catch::Contains("expected a solid"));
   CHECK_THAT(error("shape = feder.box(1, 1, 1), resolution = 1000"), Catch::Contains("at most 1e7 cells"));
   CHECK_THAT(error("shape = feder.box(1, 1, 1), yuong = 5"), Catch::Contains("young"));

@@ -8,11 +8,18 @@
 #include "feder/soft.h"
 #include "feder/systems.h"
 #include "feder/world.h"
+#include "soft/solver.h"
 #include "support/catch.h"
 
 namespace feder::test {
 
 inline double number(Real x) { return static_cast<double>(x); }
+
+inline std::string any_soft_solver() {
+  return soft_solvers()[static_cast<std::size_t>(GENERATE(range(0, static_cast<int>(soft_solvers().size()))))].name;
+}
+// Those that solve backward Euler, which damps like a material of tau = h.
+inline bool is_backward_euler(const std::string& solver) { return solver != "xpbd"; }
 
 inline SoftDesc soft_box(const Vec3& size, std::uint32_t resolution) {
   SoftDesc d;

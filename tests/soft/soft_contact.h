@@ -42,13 +42,14 @@ void run_without_crossing(World& w, double seconds, F&& fill) {
   CHECK(w.is_finite());
 }
 
-// As a share of `scale`; angular momentum of `scale` times 1 m.
+// As a share of `scale`; angular momentum of `scale` times 1 m, within `angular`: contact pushes where a solver substep
+// ends, which is a torque of h times impulse and speed about where it began.
 inline void check_linear(const Momentum& before, const Momentum& after, double scale) {
   for (int k = 0; k < 3; ++k) CHECK(std::fabs(after.linear[k] - before.linear[k]) < 1e-5 * scale);
 }
-inline void check_momentum(const Momentum& before, const Momentum& after, double scale) {
+inline void check_momentum(const Momentum& before, const Momentum& after, double scale, double angular = 1e-3) {
   check_linear(before, after, scale);
-  for (int k = 0; k < 3; ++k) CHECK(std::fabs(after.angular[k] - before.angular[k]) < 1e-3 * scale);
+  for (int k = 0; k < 3; ++k) CHECK(std::fabs(after.angular[k] - before.angular[k]) < angular * scale);
 }
 
 inline double mass_of(const Soft& soft, ObjectId id) {

@@ -7,7 +7,7 @@ namespace feder::test {
 namespace {
 
 // A block that falls onto a box on the ground.
-ObjectId add_scene(World& w, const char* kernels = nullptr) {
+ObjectId add_scene(World& w, const std::string& solver, const char* kernels = nullptr) {
   BodyDesc ground;
   ground.type = BodyType::fixed;
   ground.shape = make_plane(Vec3(0, 1, 0), 0);
@@ -18,7 +18,8 @@ ObjectId add_scene(World& w, const char* kernels = nullptr) {
   w.need<Rigid>().add_body(box);
   SoftDesc d = soft_box(vec3(Real(0.3), Real(0.2), Real(0.3)), 4);
   d.pose.position = vec3(Real(0.02), Real(0.56), Real(0.01));
-  if (kernels) d.solver_options.set("kernels", std::string(kernels));
+  d.solver = solver;
+  if (kernels && solver != "implicit") d.solver_options.set("kernels", std::string(kernels));
   return w.need<Soft>().add_soft(d);
 }
 
@@ -87,12 +88,14 @@ TEST_CASE("soft bodies that cannot be are errors that say what was expected", "[
 }
 
 TEST_CASE("a block on a box goes on from a snapshot, whatever threads and kernels", "[soft][threads]") {
+  const std::string solver = any_soft_solver();
+  CAPTURE(solver);
   std::uint64_t hashes[4];
   for (int k = 0; k < 4; ++k) {
     WorldDesc desc;
     desc.threads = k == 1 ? 4 : k == 3 ? 2 : 1;
     World w(desc, catalog());
-    add_scene(w, k == 3 ? "plain" : nullptr);
+    add_scene(w, solver, k == 3 ? "plain" : nullptr);
     for (int i = 0; i < 30; ++i) w.step();
     if (k == 2) {
       const std::string image = w.snapshot();
@@ -108,8 +111,10 @@ TEST_CASE("a block on a box goes on from a snapshot, whatever threads and kernel
 }
 
 TEST_CASE("a warm step allocates nothing", "[soft]") {
+  const std::string solver = any_soft_solver();
+  CAPTURE(solver);
   World w(WorldDesc{}, catalog());
-  add_scene(w);
+  add_scene(w, solver);
   for (int i = 0; i < 60; ++i) w.step();
   const std::uint64_t allocations = w.allocations();
   for (int i = 0; i < 10; ++i) w.step();
@@ -117,8 +122,10 @@ TEST_CASE("a warm step allocates nothing", "[soft]") {
 }
 
 TEST_CASE("a block comes to rest on a box and sleeps", "[soft]") {
+  const std::string solver = any_soft_solver();
+  CAPTURE(solver);
   World w(WorldDesc{}, catalog());
-  const ObjectId id = add_scene(w);
+  const ObjectId id = add_scene(w, solver);
   Soft& soft = w.need<Soft>();
   int begun = 0, slept = 0;
   for (int i = 0; i < 60 * 12 && !soft.asleep(id); ++i) {
@@ -147,7 +154,10 @@ TEST_CASE("a block comes to rest on a box and sleeps", "[soft]") {
 TEST_CASE("a ball thrown against a block hands on its momentum", "[soft]") {
   World w(weightless(), catalog());
   Soft& soft = w.need<Soft>();
-  const ObjectId id = soft.add_soft(soft_box(vec3(Real(0.2), Real(0.2), Real(0.2)), 4));
+  SoftDesc d = soft_box(vec3(Real(0.2), Real(0.2), Real(0.2)), 4);
+  d.solver = any_soft_solver();
+  CAPTURE(d.solver);
+  const ObjectId id = soft.add_soft(d);
   BodyDesc ball;
   ball.shape = make_sphere(Real(0.05));
   ball.position = vec3(Real(-0.4), Real(0.03), Real(0.02));
@@ -189,6 +199,8 @@ TEST_CASE("two soft bodies and a rope are held to each other and to a body", "[s
   World w(WorldDesc{}, catalog());
   Soft& soft = w.need<Soft>();
   SoftDesc d = soft_box(vec3(Real(0.2), Real(0.2), Real(0.2)), 2);
+  d.solver = any_soft_solver();
+  CAPTURE(d.solver);
   d.pose.position = Vec3(0, 2, 0);
   const ObjectId upper = soft.add_soft(d);
   d.pose.position = Vec3(0, Real(1.78), 0);
@@ -208,6 +220,43 @@ TEST_CASE("two soft bodies and a rope are held to each other and to a body", "[s
   const Vec3 a = soft.point(lower, near(lower, vec3(q, q, q))), b = soft.point(upper, near(upper, vec3(q, -q, q)));
   CHECK(number(length(Vec3(a - b))) < 0.005);
   CHECK(number(a[1]) > 1.8);
+}
+
+TEST_CASE("a law that a solver does not have is an error that names those that do", "[soft]") {
+  World w(WorldDesc{}, catalog());
+  Soft& soft = w.need<Soft>();
+  SoftDesc d = one_tetrahedron();
+  d.elasticity = "corotated";
+  CHECK_THROWS_WITH(soft.add_soft(d),
+                    Catch::Contains("elasticity: expected what xpbd has (neo_hookean), got corotated") &&
+                        Catch::Contains("solvers that have it: implicit"));
+  d.elasticity = "corotatd";
+  CHECK_THROWS_WITH(soft.add_soft(d), Catch::Contains("known: neo_hookean, corotated, stvk"));
+  CHECK(soft.soft_count() == 0);
+}
+
+TEST_CASE("implicit says where it did not reach its tolerance", "[soft]") {
+  World w(WorldDesc{}, catalog());
+  Soft& soft = w.need<Soft>();
+  SoftDesc d = soft_box(vec3(Real(0.2), Real(0.2), Real(0.2)), 3);
+  d.solver = "implicit";
+  d.pins = {0, 1, 2, 3};
+  const ObjectId good = soft.add_soft(d);
+  d.solver_options.set("iterations", 1.0);
+  const ObjectId hurried = soft.add_soft(d);
+  std::size_t said = 0;
+  for (int k = 0; k < 60; ++k) {
+    w.step();
+    for (const Event& e : w.events().list()) {
+      if (e.kind != EventKind::warning) continue;
+      CHECK(w.events().warning_code(e) == std::string("unconverged"));
+      CHECK(e.a == hurried);
+      CHECK_THAT(w.events().warning_message(e), Catch::Contains("implicit stopped after 1 steps of Newton"));
+      ++said;
+    }
+  }
+  CHECK(said == 1);  // once
+  CHECK(soft.inverted(good) == 0);
 }
 
 TEST_CASE("what has no soft body has no pass of soft bodies", "[soft]") {

@@ -17,6 +17,7 @@ inline constexpr ObjectKind kSoftKind{"soft", "soft_bodies"};
 inline constexpr WakeCause kSoftCause{"soft"};
 
 std::string default_soft_solver();
+std::string default_elasticity();
 
 struct SoftDesc {
   std::string name;
@@ -42,7 +43,8 @@ struct SoftDesc {
   int max_substeps = 0;  // largest number that is chosen, with a warning; 0: 64, and more for less than 5000 tetrahedra
   std::string solver = default_soft_solver();  // xpbd, or the first of this build
   Params solver_options;
-  std::vector<std::uint32_t> pins;  // points from 0
+  std::string elasticity = default_elasticity();  // neo_hookean, or the first of this build
+  std::vector<std::uint32_t> pins;                // points from 0
 
   // Calls f(field) for all of them, in this order.
   template <class D, class F>
@@ -50,7 +52,7 @@ struct SoftDesc {
     f(d.name), f(d.tags), f(d.points), f(d.tetrahedra), f(d.shape), f(d.resolution), f(d.pose), f(d.velocity);
     f(d.angular_velocity), f(d.density), f(d.young), f(d.poisson), f(d.damping), f(d.thickness), f(d.friction);
     f(d.self_collision), f(d.gravity_scale), f(d.group), f(d.mask), f(d.substeps), f(d.max_substeps), f(d.solver);
-    f(d.solver_options), f(d.pins);
+    f(d.solver_options), f(d.elasticity), f(d.pins);
   }
 };
 
