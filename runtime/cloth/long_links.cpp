@@ -6,6 +6,7 @@ namespace feder {
 namespace {
 constexpr int kMostEdges = 8, kLeastEdges = 4;  // of a long link
 constexpr Real kStraight = Real(0.9);           // cosine of the largest turn from one edge to the next
+constexpr int kBorderRings = 3;
 constexpr std::uint32_t kFewPoints = 400;
 }  // namespace
 
@@ -20,7 +21,17 @@ std::vector<LongLink> long_links(const ClothMesh& mesh, const Vec3* rest, std::u
     const ClothLink& l = mesh.links[link];
     return l.a == i ? l.b : l.a;
   };
-  for (std::uint32_t first = 0; first < points; ++first)
+  // From points of which no two share a link, each way once: those between are held by their links. Near borders, where
+  // sheets that hang at corners are tight, from all.
+  std::vector<bool> beside(points, false), border(points, false);
+  for (int ring = 0; ring < kBorderRings; ++ring) {
+    const std::vector<bool> inner = border;
+    for (const ClothEdge& e : mesh.edges)
+      if (e.triangle[1] == kNone || inner[e.a] || inner[e.b]) border[e.a] = border[e.b] = true;
+  }
+  for (std::uint32_t first = 0; first < points; ++first) {
+    if (beside[first] && !border[first]) continue;
+    for (const std::uint32_t k : around.of(first)) beside[other(k, first)] = true;
     for (const std::uint32_t start : around.of(first)) {
       std::uint32_t at = other(start, first);
       Vec3 way = rest[at] - rest[first];
@@ -39,8 +50,9 @@ std::vector<LongLink> long_links(const ClothMesh& mesh, const Vec3* rest, std::u
         const Vec3 d = rest[next] - rest[at];
         along += length(d), way = normalized_or(d, way), at = next, ++edges;
       }
-      if (edges >= kLeastEdges && at != first) all.push_back({std::min(first, at), std::max(first, at), along});
+      if (edges >= kLeastEdges && at > first) all.push_back({first, at, along});
     }
+  }
   std::sort(all.begin(), all.end(), [](const LongLink& x, const LongLink& y) {
     return x.a != y.a ? x.a < y.a : x.b != y.b ? x.b < y.b : x.rest < y.rest;
   });

@@ -59,7 +59,7 @@ TEST_CASE("the same with vbd, and with implicit", "[cloth][strain]") {
   if (cells == 10) hang(cells, "implicit", 2);
 }
 
-TEST_CASE("the same of many cells", "[cloth][strain][late]") { hang(GENERATE(74u, 99u, 119u), "xpbd", 4); }
+TEST_CASE("the same of many cells", "[cloth][strain][late]") { hang(GENERATE(74u, 99u), "xpbd", 4); }
 
 TEST_CASE("a pinned corner that a script sets anywhere gives its sheet no more energy than the material holds",
           "[cloth][strain][late]") {
