@@ -1,15 +1,15 @@
-// XPBD cloth, position-based dynamics with compliance in solver substeps: predict, one sweep over all links and hinges
-// in colour order, velocities from displacements (Macklin, Mueller and Chentanez, "XPBD", MIG 2016, algorithm 1;
-// Macklin et al., "Small Steps in Physics Simulation", SCA 2019). A multiplier lives through the iterations of a solver
-// substep, so stiffness does not depend on their number. Soft hinges push as forces before the sweep, at the state it
-// starts from, which leaves no error at rest; only hinges too stiff for that (h^2 w^2 above kSoftHinge) are swept like
-// links. Those of cloth that is flat at rest are a constant quadratic form (bending.h). Soft hinges push once for a
-// group of solver substeps, before the middle one: a drift, a kick and a drift (Tuckerman, Berne and Martyna 1992), so
-// cloth carried by hinges is at rest at the group's ends, g H^2/8 above its true position for groups of H. Not in
-// groups where cloth lies on cloth: shreds in a tangle have hinges that turn over within a group. Where
-// max_substeps allows fewer solver substeps than the sheet needs, up to four sweeps make up for some. Kept between
-// steps: batches of the mesh. Weak spot: one sweep carries forces across few rows; the strain that is left, 2 g n^2
-// h^2/L for n rows, sets the number of solver substeps (step.cpp), so light cloth stretches more than its material
+// XPBD cloth, position-based dynamics with compliance in solver substeps: predict, long links (long_links.h), one sweep
+// over all links and hinges in colour order, velocities from displacements (Macklin, Mueller and Chentanez, "XPBD", MIG
+// 2016, algorithm 1; Macklin et al., "Small Steps in Physics Simulation", SCA 2019). A multiplier lives through the
+// iterations of a solver substep, so stiffness does not depend on their number. Soft hinges push as forces before the
+// sweep, at the state it starts from, which leaves no error at rest; only hinges too stiff for that (h^2 w^2 above
+// kSoftHinge) are swept like links. Those of cloth that is flat at rest are a constant quadratic form (bending.h). Soft
+// hinges push once for a group of solver substeps, before the middle one: a drift, a kick and a drift (Tuckerman, Berne
+// and Martyna 1992), so cloth carried by hinges is at rest at the group's ends, g H^2/8 above its true position for
+// groups of H. Not in groups where cloth lies on cloth: shreds in a tangle have hinges that turn over within a group.
+// Where max_substeps allows fewer solver substeps than the sheet needs, up to four sweeps make up for some. Kept
+// between steps: batches of the mesh. Weak spot: one sweep carries forces across few rows; the strain that is left, 2 g
+// n^2 h^2/L for n rows, sets the number of solver substeps (step.cpp), so light cloth stretches more than its material
 // under heavy bodies that lie on it. What sweeps add of angular momentum step.cpp takes out.
 #include <algorithm>
 #include <cmath>
