@@ -92,7 +92,6 @@ std::uint32_t ClothBatches::color(const Elements& elements, std::uint32_t total,
 }
 
 void ClothBatches::build(const ClothView& v) {
-  build_long(v);
   if (version_ == v.version) return;
   FEDER_ASSERT(v.mesh && v.total > v.points);
   version_ = v.version;

@@ -29,6 +29,7 @@ class ClothBatches {
   void pick(bool wide);
   // Colours and batches for this mesh; does nothing for the version it has.
   void build(const ClothView& v);
+  void build_long(const ClothView& v);                       // likewise the long links
   void current_position(const ClothView& v, JobPool& jobs);  // edges at the start of the step
   // Which sweep of a solver substep.
   struct Sweep {
@@ -59,7 +60,6 @@ class ClothBatches {
   void run(Kernel kernel, const Array<Color>& colors, ClothPass pass, StepContext& c);
   void measure_hinges(const ClothView& v);
   void prepare_stages(const ClothView& v);
-  void build_long(const ClothView& v);
   void take_rests(const ClothView& v);
   static constexpr double kOneSweep = 0.05;
   // h tau w^2 of the fastest mode.

@@ -17,7 +17,8 @@ struct LongLink {
   Real rest;  // m, along the edges
 };
 
-// Long links of a mesh in its rest shape, of one in three points; none of a small mesh.
+// Long links of a mesh in its rest shape, from points of which no two share a link, and from all near borders; none of
+// a small mesh.
 std::vector<LongLink> long_links(const ClothMesh& mesh, const Vec3* rest, std::uint32_t points);
 
 }  // namespace feder

@@ -16,7 +16,7 @@ class StillAir {
     const Vec3* position = nullptr;  // at the start of the step, m
     const Row4 *delta_position = nullptr, *velocity = nullptr;
     Real density = 0;         // kg/m^3
-    Real most = 0;            // kg^2/s: over the largest inverse mass of its corners, kg/s that a triangle may stop
+    Real most = 0;            // 1/s: a triangle stops that much of the mass of its lightest corner
     Real drag = 1, lift = 1;  // shares
   };
   // For a mesh of `points` vertices of which `spare`, beyond them, is in no triangle; does nothing for a version that

@@ -76,7 +76,7 @@ class Vbd final : public ClothSolver {
     aim(v, h, c);
     // guess
     if (p.hinged) run({0, static_cast<std::uint32_t>(bends_.size())}, p, kernels_->bend, c);
-    run({0, static_cast<std::uint32_t>(descent_.size())}, p, kernels_->begin, c);
+    sweep(p, kernels_->begin, c);
     each_vertex(v, c, [&](std::uint32_t i) {
       if (v.delta_position[i].w == 0) return;
       const Vec3 goal = v.before[i].vec() + h * v.velocity[i].vec();
@@ -93,7 +93,7 @@ class Vbd final : public ClothSolver {
           aim(v, h, c);
         }
       }
-      sweep(p, c);
+      sweep(p, kernels_->descend, c);
     }
     if (afloat_) centre(v, h);
     batches_.tie(v, h, c);
@@ -170,11 +170,12 @@ class Vbd final : public ClothSolver {
     });
   }
 
-  void sweep(const DescentPass& p, StepContext& c) {
+  // Colour after colour: empty lanes of each name the spare vertex.
+  void sweep(const DescentPass& p, void (*kernel)(const DescentPass&), StepContext& c) {
     for_colors(colors_, kDescentGrain, stages_, *c.jobs, [&](std::uint32_t first, std::uint32_t last, int) {
       DescentPass part = p;
       part.first = first, part.last = last;
-      kernels_->descend(part);
+      kernel(part);
     });
   }
 

@@ -36,6 +36,7 @@ class Xpbd final : public ClothSolver {
 
   void prepare(const ClothView& v, StepContext& c) override {
     batches_.build(v);
+    batches_.build_long(v);
     batches_.current_position(v, *c.jobs);
     if (version_ != v.version) version_ = v.version, stiffest_ = stiffest_hinge(v);
   }

@@ -1,4 +1,6 @@
 // State hash, snapshots and validation of soft bodies.
+#include <cstring>
+
 #include "soft/impl.h"
 
 namespace feder {
@@ -15,6 +17,7 @@ void Soft::hash(Hash& h) const {
     h.add(b->settings.young), h.add(b->settings.poisson), h.add(b->settings.damping);
     h.add(b->state.frozen), h.add(b->state.asleep), h.add(b->state.sleep_energy), h.add(b->flight());
     h.bytes(b->solver_name.data(), b->solver_name.size());
+    h.bytes(b->law->name, std::strlen(b->law->name));
   }
 }
 

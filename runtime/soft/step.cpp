@@ -38,15 +38,19 @@ SoftView Soft::Impl::view(SoftBody& b) {
 }
 
 void Soft::Impl::warn_of_cap(SoftBody& b, double wanted, int cap) {
-  if (b.state.warned || !(b.share < kNoticed)) return;
+  wanted = std::ceil(wanted);
+  const bool softer = b.share < kNoticed;
+  if (b.state.warned || !(softer || (b.settings.substeps == 0 && wanted > cap))) return;
   b.state.warned = 1;
+  const std::string cure = wanted <= 10000 ? "max_substeps = " + std::to_string(static_cast<int>(wanted)) +
+                                                 " would do, or less young, or larger tetrahedra"
+                                           : "less young or larger tetrahedra would do";
   events.warn("substep_cap",
-              objects.describe(b.object) + " would need " + print_number(std::ceil(wanted)) +
-                  " solver substeps per substep, it has " + std::to_string(cap) + ": it acts as if young were " +
-                  print_number(b.share * double(b.settings.young)) + " Pa" +
-                  (wanted <= 10000 ? ": max_substeps = " + std::to_string(static_cast<int>(std::ceil(wanted))) +
-                                         " would do, or less young, or larger tetrahedra"
-                                   : ": less young or larger tetrahedra would do"),
+              objects.describe(b.object) + " would need " + print_number(wanted) +
+                  " solver substeps per substep, it has " + std::to_string(cap) + ": " +
+                  (softer ? "it acts as if young were " + print_number(b.share * double(b.settings.young)) + " Pa"
+                          : "contacts may push it in, and a fixed number of sweeps lags") +
+                  ": " + cure,
               b.object);
 }
 

@@ -88,12 +88,7 @@ class SoftVbd final : public SoftSolver {
       if (d.w == 0) return;
       d.set(goal(i) - (h * h) * held_back(v.acceleration[i], d.w * force_[i].vec()));
     });
-    for (int k = 0; k < iterations_; ++k)
-      for_colors(colors_, kDescentGrain, stages_, *c.jobs, [&](std::uint32_t first, std::uint32_t last, int) {
-        SoftPointPass part = p;
-        part.first = first, part.last = last;
-        kernels_->descend(part);
-      });
+    for (int k = 0; k < iterations_; ++k) run(p, kernels_->descend, c);
     if (afloat_) put_back(v, goal);
     each_point(v, c, [&](std::uint32_t i) {
       Row4& d = v.delta_position[i];
@@ -152,13 +147,13 @@ class SoftVbd final : public SoftSolver {
     });
   }
 
+  // Colour after colour: empty lanes of each name the spare point.
   void run(const SoftPointPass& p, void (*kernel)(const SoftPointPass&), StepContext& c) {
-    c.jobs->for_blocks(static_cast<std::uint32_t>(points_.size()), kDescentGrain,
-                       [&](std::uint32_t first, std::uint32_t last, int) {
-                         SoftPointPass part = p;
-                         part.first = first, part.last = last;
-                         kernel(part);
-                       });
+    for_colors(colors_, kDescentGrain, stages_, *c.jobs, [&](std::uint32_t first, std::uint32_t last, int) {
+      SoftPointPass part = p;
+      part.first = first, part.last = last;
+      kernel(part);
+    });
   }
 
   static void put(Lane8x3& to, int n, const Vec3& d) { to.x.v[n] = d[0], to.y.v[n] = d[1], to.z.v[n] = d[2]; }

@@ -1,4 +1,4 @@
-// Links over several edges: lengths are those along the sheet, and what they hold does not depend on the resolution.
+// Links over several edges: where they go, and that they are as long as these.
 #include "cloth/long_links.h"
 #include "cloth/mesh.h"
 #include "cloth/sheets.h"
@@ -20,13 +20,24 @@ TEST_CASE("long links go straight on over eight edges of a flat sheet, and are a
       if (i < 24) mesh.links.push_back({v, v + 1, Real(0.1), 1, 0});
       if (j < 24) mesh.links.push_back({v, v + 25, Real(0.1), 1, 0});
     }
-  const std::vector<LongLink> all = long_links(mesh, rest.data(), 625);
-  // from every second point, as on a chessboard, to the right and downwards where at least four edges are left; edges
-  // are not named here, so there is no border
-  CHECK(all.size() == 2 * (25 * 21 + 1) / 2);
-  for (const LongLink& l : all) {
-    const Real apart = length(Vec3(rest[l.b] - rest[l.a]));
-    CHECK(double(l.rest) == Approx(double(apart)).epsilon(1e-5));
-    CHECK((apart > Real(0.39) && apart < Real(0.81)));
+  const auto check = [&](std::size_t count) {
+    const std::vector<LongLink> all = long_links(mesh, rest.data(), 625);
+    CHECK(all.size() == count);
+    for (const LongLink& l : all) {
+      const Real apart = length(Vec3(rest[l.b] - rest[l.a]));
+      CHECK(double(l.rest) == Approx(double(apart)).epsilon(1e-5));
+      CHECK((apart > Real(0.39) && apart < Real(0.81)));
+    }
+  };
+  // from every second point, as on a chessboard, to the right and downwards where at least four edges are left
+  check(2 * (25 * 21 + 1) / 2);
+  // where the first row is a border: from all points of three rows, none of the next, and every second of the others
+  for (const ClothLink& l : mesh.links) {
+    ClothEdge e{};
+    e.a = l.a, e.b = l.b;
+    e.triangle[0] = 0, e.triangle[1] = l.b < 25 ? kNone : 0;
+    mesh.edges.push_back(e);
   }
+  const std::size_t right = 3 * 21 + 11 * 11 + 10 * 10, down = 3 * 25 + 9 * 13 + 8 * 12;
+  check(right + down);
 }

@@ -1,4 +1,4 @@
-// max_strain: what hangs stretches no more than that, at default settings and any resolution.
+// max_strain: what hangs stretches no more than that, at default settings and up to 100 cells a side.
 #include <algorithm>
 #include <cstdio>
 #include <random>

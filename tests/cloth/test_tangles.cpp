@@ -67,7 +67,7 @@ void tangle(Cloth& cloth, ObjectId id, std::uint32_t n, Tangle how) {
 
 }  // namespace
 
-TEST_CASE("crossings come apart without energy, and their number only falls", "[cloth]") {
+TEST_CASE("crossings come apart without kinetic energy, and their number only falls", "[cloth]") {
   const auto how = GENERATE(Tangle::poke, Tangle::rough, Tangle::layers);
   const Real other = Real(1e-5) * Real(GENERATE(range(0, 6)));  // m/s: which way out is found hangs on rounding
   WorldDesc wd;

@@ -59,7 +59,8 @@ struct ClothDesc {
   // Solver substeps per substep of the world: 0 chooses them so that a hanging sheet keeps stretch_error, see step.cpp.
   int substeps = 0;
   // Strain error of sweeps alone, beside the material's strain. < 0: 0.01; for cloth that bears nothing and that ties
-  // to its pins hold 0.05 from 2500 vertices on, (n/2500)^(3/2) of it for n of them. They leave a quarter of it.
+  // to its pins hold 0.05 from 2500 vertices on, (n/2500)^(3/2) of it for n of them; with long links (xpbd), n/3500 of
+  // it beyond that, 12 times at most. They leave a quarter of it.
   Real stretch_error = -1;
   // Largest number that is chosen, with a warning. 0: 64; in proportion more for less than 2500 vertices, up to 1000,
   // but not for what lies on them.
