@@ -36,7 +36,7 @@ double stretch_error(const Sheet& s) {
   if (s.ties.batches.empty()) return kUsual;
   double tied = std::fmax(kUsual, std::fmin(1.5 * double(s.settings.max_strain), kTied));
   // Long links hold the size of large ones: the law's strain may grow with the square of n there, so that the number of
-  // solver substeps follows from the length of the cloth alone (3 m at two corners: 16 a frame from 60 to 200 cells).
+  // solver substeps follows from the length of the cloth alone (3 m at two corners: 16 a frame from 60 to 140 cells).
   if (s.solver->reaches() && !s.settings.flows()) tied *= std::fmin(std::fmax(s.points / kGrown, 1), kMostGrown);
   const double share = s.solver->sheds_strain() ? size_share(s) : 1;
   const double error = kUsual + double(s.unladen()) * (tied * share * std::sqrt(share) - kUsual);

@@ -20,10 +20,10 @@
 namespace feder {
 namespace {
 
-constexpr double kBendShare = 0.2;  // h^2 k sum w |gradient|^2 that is wanted for the stiffest hinge
+constexpr double kBendShare = 0.1;  // h^2 k sum w |gradient|^2 that is wanted for the stiffest hinge
 // h^2 sum k/m of a vertex of a cloth that tension holds: what kernel.h takes off is there
 constexpr double kTautShare = 1.4;
-constexpr double kSoftHinge = 0.24;      // largest value of it at which hinges push as forces
+constexpr double kSoftHinge = 0.12;      // largest value of it at which hinges push as forces
 constexpr int kTogether = 9;             // solver substeps that one push of soft hinges may stand for, odd
 constexpr Real kMostSweeps = 4;          // in place of solver substeps that max_substeps does not allow
 constexpr JobGrain kGrain{1024, 4'000};  // vertices per job
