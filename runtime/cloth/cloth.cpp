@@ -195,6 +195,7 @@ void Cloth::add_passes(StepPlan& plan) {
 void Cloth::Impl::attach_solver(Sheet& s, const std::string& name, const Params& options) {
   s.solver = find_variant(cloth_solvers(), name, "cloth solver").make(arena, options);
   options.check_all_read(name);
+  s.still_air.pick(wide_kernels(options));
   s.solver_name = name;
   s.solver_options = options;
 }

@@ -11,9 +11,10 @@ namespace {
 constexpr JobGrain kAirBatches{128, 8'000}, kAirPoints{1024, 8'000};
 }  // namespace
 
-StillAir::StillAir(Arena& a) : batches_(&a), first_(&a), round_(&a), now_(&a), push_(&a), taken_(&a) {
+void StillAir::pick([[maybe_unused]] bool wide) {
+  kernels_ = &kClothKernelsPlain;
 #if defined(__x86_64__) || defined(__i386__)
-  if (runs_avx2()) kernels_ = &kClothKernelsAvx2;
+  if (wide && runs_avx2()) kernels_ = &kClothKernelsAvx2;
 #endif
 }
 

@@ -11,7 +11,8 @@ namespace feder {
 
 class StillAir {
  public:
-  explicit StillAir(Arena& a);
+  explicit StillAir(Arena& a) : batches_(&a), first_(&a), round_(&a), now_(&a), push_(&a), taken_(&a) {}
+  void pick(bool wide);  // kernels as the processor has them; else plain, for tests
   struct Flow {
     const Vec3* position = nullptr;  // at the start of the step, m
     const Row4 *delta_position = nullptr, *velocity = nullptr;

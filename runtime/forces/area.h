@@ -36,21 +36,15 @@ inline Vec3 area_force(const Vec3& full, const Vec3& twice, const AreaShares& sh
 // Of still air on a triangle with velocity u: the wind force with velocity 0, N; area_force() of -density |u| u / 2
 // with e and n multiplied out. `most`, kg/s: mass that it may stop over the time in which it acts; drag of light cloth
 // at high speed, or of one that is stretched to many times its area, would turn it round within a step otherwise.
-// `taken`: the largest so far of what was asked for over `most`.
-inline Vec3 still_air(const Vec3& u, const Vec3& twice, Real density, Real most, const AreaShares& share, Real& taken) {
+// Cloth has this eight wide (cloth/kernel.h).
+inline Vec3 still_air(const Vec3& u, const Vec3& twice, Real density, Real most, const AreaShares& share) {
   const Real speed2 = dot(u, u), area2 = dot(twice, twice), through = dot(u, twice), both = speed2 * area2;
   using Limits = std::numeric_limits<Real>;
   if (!(both >= Limits::min() && both <= Limits::max())) return Vec3(0, 0, 0);  // beyond what numbers can tell
   const Real asked = Real(0.25) * density * std::sqrt(both), rate = std::min(asked, most);
-  taken = std::max(taken, asked / most);
   const Real square = through * through / both;  // of e.n
   const Real along = share.drag * (square + kSkin) - share.lift * square;
   return -rate * (along * u + (share.lift * through / area2) * twice);
-}
-
-inline Vec3 still_air(const Vec3& u, const Vec3& twice, Real density, Real most, const AreaShares& share) {
-  Real taken = 0;
-  return still_air(u, twice, density, most, share, taken);
 }
 
 // Of still air on one square metre across the flow, N: that of the wind with velocity 0, `most` kg/s at most.

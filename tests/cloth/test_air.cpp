@@ -1,12 +1,65 @@
 // Still air: the drag of a world's air_density on cloth and on the faces of nets.
 #include <cmath>
 #include <cstdio>
+#include <random>
 
 #include "cloth/sheets.h"
+#include "cloth/still_air.h"
 #include "feder/force.h"
+#include "forces/area.h"
 
 using namespace feder;
 using namespace feder::test;
+
+TEST_CASE("still air eight wide is that of single triangles, added by vertex", "[cloth][air]") {
+  constexpr std::uint32_t kPoints = 40, kTriangles = 101;
+  std::mt19937 random(3);
+  const auto number = [&] { return Real(static_cast<double>(random()) / 2147483648.0 - 1); };
+  const auto vector = [&] {
+    const Real x = number(), y = number(), z = number();
+    return Vec3(x, y, z);
+  };
+  Arena arena{"air"};
+  ClothMesh mesh{arena};
+  for (std::uint32_t k = 0; k < kTriangles; ++k) {
+    const auto up_to = [&](std::uint32_t n) { return static_cast<std::uint32_t>(random() % n); };
+    const std::uint32_t a = up_to(kPoints), b = (a + 1 + up_to(19)) % kPoints, c = (b + 1 + up_to(19)) % kPoints;
+    for (const std::uint32_t i : {a, b, c}) mesh.triangles.push_back(i);
+  }
+  std::vector<Vec3> position(kPoints + 1, Vec3::Zero()), wanted(kPoints, Vec3::Zero());
+  std::vector<Row4> delta(kPoints + 1, Row4{0, 0, 0, 0}), velocity(delta);
+  for (std::uint32_t i = 0; i < kPoints; ++i) {
+    position[i] = vector();
+    delta[i].set(Real(0.1) * vector()), delta[i].w = i % 3 == 0 ? Real(0) : 1 + number() / 2;
+    velocity[i].set(i % 7 == 0 ? Vec3(0, 0, 0) : Vec3(10 * vector()));
+  }
+  StillAir::Flow flow;
+  flow.position = position.data(), flow.delta_position = delta.data(), flow.velocity = velocity.data();
+  flow.density = Real(1.2), flow.most = Real(2), flow.drag = Real(0.8), flow.lift = Real(0.4);
+  for (std::uint32_t k = 0; k < kTriangles; ++k) {
+    const std::uint32_t* v = &mesh.triangles[3 * k];
+    const auto at = [&](int n) { return Vec3(position[v[n]] + delta[v[n]].vec()); };
+    const Real weight = std::max({delta[v[0]].w, delta[v[1]].w, delta[v[2]].w});
+    if (!(weight > 0)) continue;
+    const Vec3 u = (velocity[v[0]].vec() + velocity[v[1]].vec() + velocity[v[2]].vec()) / 3;
+    const Vec3 force = still_air(u, cross(Vec3(at(1) - at(0)), Vec3(at(2) - at(0))), flow.density, flow.most / weight,
+                                 {flow.drag, flow.lift});
+    for (int n = 0; n < 3; ++n) wanted[v[n]] += force / 3;
+  }
+  JobPool jobs;
+  std::vector<Vec3> force[2];
+  for (const bool wide : {false, true}) {
+    StillAir air(arena);
+    air.pick(wide);
+    air.build(mesh, kPoints, kPoints, 1);
+    force[wide].assign(kPoints, Vec3::Zero());
+    CHECK(air.meet(flow, force[wide].data(), jobs) > 0);
+    for (std::uint32_t i = 0; i < kPoints; ++i) {
+      CHECK(double(length(Vec3(force[wide][i] - wanted[i]))) <= 1e-5 * double(length(wanted[i])));
+      CHECK(force[wide][i] == force[0][i]);
+    }
+  }
+}
 
 TEST_CASE("a sheet sinks through still air at the speed where drag carries it; wind = false leaves air out",
           "[cloth][air]") {
