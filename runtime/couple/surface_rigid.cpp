@@ -3,6 +3,7 @@
 #include "couple/surface_rigid.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include "contact/body_point.h"
@@ -195,6 +196,14 @@ void SurfaceRigid::warn_of_pins(const Surface& s, std::uint32_t k, StepContext& 
                  s.object);
 }
 
+// A body that would come farther than `s.way` within a solver substep would be seen when it is through.
+void SurfaceRigid::follow(std::uint32_t n, Real speed, Real h) {
+  Surface& s = surfaces_.list[n];
+  const Real wanted = std::ceil((speed + s.fastest) * h / s.way);
+  if (wanted > static_cast<Real>(s.steps))
+    s.steps = std::max(s.steps, static_cast<int>(std::min(wanted, static_cast<Real>(s.most_steps))));
+}
+
 void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
   const Surface& s = surfaces_.list[n];
   if (s.balls && s.triangles.empty()) return;
@@ -220,6 +229,7 @@ void SurfaceRigid::candidates_of(std::uint32_t n, StepContext& c) {
     if (!overlaps(all, box)) continue;
     const bool body_moves = colliders_.awake[k] && colliders_.motion[k] != ColliderMotion::fixed;
     if (!s.active && !body_moves) continue;
+    if (s.most_steps > 0 && body_moves) follow(n, length(colliders_.velocity[k]), c.h);
     // points, unless they are colliders of their own
     connect(n, colliders_.owner_index[k]);
     const Shape& shape = *colliders_.shape[k];

@@ -69,6 +69,7 @@ class SurfaceRigid final : public System {
   void finish(StepContext& c);
 
   void wake_left();
+  void follow(std::uint32_t surface, Real speed, Real h);
   void candidates_of(std::uint32_t surface, StepContext& c);
   void leave_alone(const Surface& surface, std::uint32_t collider);
   void connect(std::uint32_t surface, std::uint32_t body);

@@ -11,6 +11,7 @@ namespace {
 
 // Of a body of at least so many tetrahedra solver substeps are dear; a smaller one may have more of them.
 constexpr double kLarge = 5000, kUsual = 64, kMost = 1000;
+constexpr double kWay = 0.75;     // of the girth: a fast body comes no farther in a solver substep, and is seen within
 constexpr double kNoticed = 0.99;  // of the stiffness: less is a warning
 
 int soft_cap(const SoftBody& b) {
@@ -108,6 +109,7 @@ void Soft::Impl::show(StepContext& c) {
     s.fastest = std::sqrt(fastest);
     if (b.active()) choose_substeps(b, c);
     s.steps = b.state.substeps;
+    if (b.settings.substeps == 0) s.most_steps = soft_cap(b), s.way = static_cast<Real>(kWay * b.mesh.girth);
     b.surface = static_cast<std::uint32_t>(surfaces.list.size());
     surfaces.list.push_back(s);
   }

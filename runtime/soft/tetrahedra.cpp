@@ -104,6 +104,7 @@ void fill(const SoftDesc& d, const std::string& owner, SoftMesh& m) {
 void SoftMesh::derive() {
   skin.clear(), edges.clear(), inverse.clear(), volume.clear();
   rest_volume = mean_edge = 0, visible = 0;
+  double area = 0;
   std::vector<SkinFace> faces;
   list_faces({tetrahedra.data(), tetrahedra.size()}, faces);
   for (std::size_t k = 0; k < faces.size();) {
@@ -112,6 +113,8 @@ void SoftMesh::derive() {
     if (end == k + 1) {
       const auto& f = faces[k].face;
       for (const std::uint32_t i : f) skin.push_back(i), visible = std::max(visible, i + 1);
+      const auto a = wide(rest[f[0]]);
+      area += length(cross(wide(rest[f[1]]) - a, wide(rest[f[2]]) - a)) / 2;
       for (std::size_t c = 0; c < 3; ++c)
         edges.push_back({std::min(f[c], f[(c + 1) % 3]), std::max(f[c], f[(c + 1) % 3])});
     }
@@ -128,6 +131,7 @@ void SoftMesh::derive() {
     for (std::size_t c = 1; c < 4; ++c)
       for (const double part : {g[c].x, g[c].y, g[c].z}) inverse.push_back(static_cast<Real>(part));
   }
+  girth = area > 0 ? 2 * rest_volume / area : 0;
 }
 
 void make_tetrahedra(const SoftDesc& d, const std::string& owner, SoftMesh& m) {

@@ -50,6 +50,8 @@ struct Surface {
   Real fastest = 0;                      // m/s, of its points at the start of the step
   Real approach_speed = 0;               // m/s, of approaching bodies in this step
   std::int32_t steps = 1;                // solver substeps wanted in a substep
+  std::int32_t most_steps = 0;           // as many for bodies that come farther than `way` in one; 0: no more for them
+  Real way = 0;                          // m
   WakeCause wakes = WakeCause::contact;  // cause when a contact wakes something
   bool self = false;                     // self-contact
   bool active = true;                    // moves: neither asleep nor in quarantine

@@ -6,7 +6,7 @@ set(feder_pch_standard <algorithm> <array> <cmath> <cstdint> <cstring> <function
                        <string_view> <utility> <vector> <Eigen/Core>)
 
 # what tests do themselves is little: optimising it is a third of compiling them
-set(feder_test_flags $<$<CONFIG:Release>:-O1>)
+set(feder_test_flags $<$<CONFIG:Release,Check>:-O1>)
 
 # feder_in_lumps(target): several sources per compilation, as half of what is left is the same templates again. Names in
 # unnamed namespaces must then differ within the folder; modules of variants, which look alike on purpose, are APART,
