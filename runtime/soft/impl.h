@@ -72,6 +72,7 @@ struct SoftBody {
   double share = 1;  // of its stiffness that it acts with, as last chosen
   // of a step
   Array<Vec3> acceleration{&arena};  // gravity, scripts, generators, m/s^2
+  Array<Real> kept{&arena};          // by point, of its velocity in a solver substep against drag; empty: all of it
   std::uint32_t surface = 0;         // in Surfaces::list
   std::uint32_t bad_point = kNone;
   bool touched = false, linked = false, prepared = false;  // contact moved it; held to something; its solver is ready
@@ -117,7 +118,8 @@ struct Soft::Impl {
   bool gravity_known = false;
   Vec3 gravity = Vec3::Zero();  // of the last step: a change wakes all
   Array<MassPoint> points{&arena};
-  Array<Vec3> forces{&arena};  // N
+  Array<Vec3> forces{&arena};                  // N
+  Array<Vec3> as_is{&arena}, faster{&arena};  // N, of one force, and on points that are faster
 
   SoftBody& body(ObjectId id) const {
     FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kSoftKind);
@@ -147,6 +149,7 @@ struct Soft::Impl {
   void check_inverted(SoftBody& b);
   void warn_of_cap(SoftBody& b, double wanted, int cap);
   void add_forces(SoftBody& b, StepContext& c);
+  void add_resistance(SoftBody& b, const Force& force, double time);
   void update_sleep(SoftBody& b, StepContext& c);
   // watch.cpp
   double work(const SoftBody& b, const StepContext& c) const;

@@ -12,12 +12,19 @@ namespace {
 // Of a body of at least so many tetrahedra solver substeps are dear; a smaller one may have more of them.
 constexpr double kLarge = 5000, kUsual = 64, kMost = 1000;
 constexpr double kWay = 0.75;     // of the girth: a fast body comes no farther in a solver substep, and is seen within
+constexpr Real kMostDrag = 1000;  // of mass over the substep: more stops a point as well
+constexpr Real kFaster = Real(0.1), kLeastFaster = Real(0.01);  // of the velocity, and m/s: the step of differences
 constexpr double kNoticed = 0.99;  // of the stiffness: less is a warning
 
 int soft_cap(const SoftBody& b) {
   if (b.settings.max_substeps > 0) return b.settings.max_substeps;
   const double size = std::fmin(1, double(b.mesh.tetrahedra.size()) / kLarge);
   return static_cast<int>(std::fmin(kUsual / size, kMost));
+}
+
+Vec3 difference(const Vec3& v) {
+  const Real speed = length(v);
+  return speed > kLeastFaster / kFaster ? Vec3(kFaster * v) : Vec3(kLeastFaster, 0, 0);
 }
 
 }  // namespace
@@ -139,24 +146,50 @@ MassPoint Soft::Impl::mass_point(const SoftBody& b, std::uint32_t i) const {
           static_cast<Real>(volume)};
 }
 
+// Generators are asked once per substep. What they say against the velocity changes within it, as the points swing in
+// their solver substeps: held, it would lag and feed the swing. So it is linearised, F(v) = F(v0) - k (v - v0), and
+// taken implicitly in each solver substep; but for scripts, which are asked once.
 void Soft::Impl::add_forces(SoftBody& b, StepContext& c) {
   const Surface& s = surfaces.list[b.surface];
   const double time = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
   const Vec3 g = c.gravity * b.settings.gravity_scale;
   forces.assign(b.script_force.begin(), b.script_force.end());
-  points.clear();
+  points.clear(), b.kept.clear();
   each_force(b, [&](const ForceEntry& f) {
+    const bool drags = f.force->depends_on_velocity() && !f.force->on_stepping_thread();
+    const Real most = (drags ? kMostDrag : Real(1)) * store.get<Forces>().drag_share() / c.h;
     if (points.empty())
       for (std::uint32_t i = 0; i < b.size(); ++i) {
         MassPoint p = mass_point(b, i);
         p.position = surfaces.position[s.first + i] + surfaces.delta_position[s.first + i].vec();
-        p.velocity = surfaces.velocity[s.first + i].vec();
-        p.most_drag = store.get<Forces>().drag_share() * b.mass[i] / c.h;
         points.push_back(p);
       }
+    for (std::uint32_t i = 0; i < b.size(); ++i)
+      points[i].velocity = surfaces.velocity[s.first + i].vec(), points[i].most_drag = most * b.mass[i];
     f.force->add(points.data(), b.size(), time, forces.data());
+    if (drags) add_resistance(b, *f.force, time);
   });
+  const Real h = surfaces.groups[s.loop]->step;
   for (std::uint32_t i = 0; i < b.size(); ++i) b.acceleration[i] = g + forces[i] * b.inv_mass[i];
+  for (std::uint32_t i = 0; i < b.kept.size(); ++i) {
+    const Real rate = b.kept[i] * b.inv_mass[i];  // 1/s
+    b.kept[i] = 1 / (1 + h * rate);
+    b.acceleration[i] = b.kept[i] * (b.acceleration[i] + rate * surfaces.velocity[s.first + i].vec());
+  }
+}
+
+// Adds how the force grows against the velocity, from a difference, to `kept`, kg/s.
+void Soft::Impl::add_resistance(SoftBody& b, const Force& force, double time) {
+  b.kept.resize(b.size(), Real(0));
+  as_is.assign(b.size(), Vec3(0, 0, 0)), faster.assign(b.size(), Vec3(0, 0, 0));
+  force.add(points.data(), b.size(), time, as_is.data());
+  for (MassPoint& p : points) p.velocity += difference(p.velocity);
+  force.add(points.data(), b.size(), time, faster.data());
+  for (std::uint32_t i = 0; i < b.size(); ++i) {
+    const Vec3 d = points[i].velocity - surfaces.velocity[surfaces.list[b.surface].first + i].vec();
+    const Real along = -dot(Vec3(faster[i] - as_is[i]), d) / dot(d, d);
+    if (along > 0) b.kept[i] += along;
+  }
 }
 
 void Soft::Impl::begin_substep(StepContext& c) {
@@ -169,6 +202,9 @@ void Soft::Impl::advance(StepContext& c) {
   const SurfaceGroup& g = group(c);
   each_active(g, [&](SoftBody& b) {
     surfaces.row_updates += b.mesh.tetrahedra.size();
+    const std::uint32_t first = surfaces.list[b.surface].first;
+    for (std::uint32_t i = 0; i < b.kept.size(); ++i)
+      surfaces.velocity[first + i].set(b.kept[i] * surfaces.velocity[first + i].vec());
     b.solver->advance(view(b), g.step, c);
   });
 }

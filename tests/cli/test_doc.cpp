@@ -137,7 +137,7 @@ TEST_CASE("man page and completion of shells have every option of every command"
       const std::size_t at = name.find("--");
       if (at == std::string::npos) continue;
       const std::string word = name.substr(at, name.find(',', at) - at);
-      CAPTURE(page["name"], word);
+      CAPTURE(name, word);
       CHECK(bash.find(word) != std::string::npos);
       CHECK(zsh.find("'" + word + "[") != std::string::npos);
       CHECK(fish.find("-l " + word.substr(2)) != std::string::npos);

@@ -24,6 +24,8 @@ local world = feder.world { substeps = whole(1, 5), threads = whole(1, 2), rigid
 local o = { body = {}, joint = {}, net = {}, cloth = {}, fluid = {}, force = {}, emitter = {}, drain = {}, region = {}, connection = {} }
 local ropes = SEED % 2 == 1  -- the others keep the course they had before there were ropes
 if ropes then o.rope = {} end
+local softs = SEED % 5 == 3
+if softs then o.soft = {} end
 local names = {}
 for name in pairs(o) do names[#names + 1] = name end
 table.sort(names)
@@ -36,10 +38,13 @@ local function drop(kind)
     if kind == "connection" then thing:disconnect() else thing:destroy() end
   end
 end
-local KINDS = { "body", "net", "cloth", "fluid", ropes and "rope" or nil }
-local POINTS = { "net", "cloth", ropes and "rope" or nil }
+local KINDS, POINTS = { "body", "net", "cloth", "fluid" }, { "net", "cloth" }
+for _, kinds in ipairs { KINDS, POINTS } do
+  if ropes then kinds[#kinds + 1] = "rope" end
+  if softs then kinds[#kinds + 1] = "soft" end
+end
 local function anything() return pick(o[pick(KINDS)]) end
-local function soft() return pick(o[pick(POINTS)]) end
+local function points() return pick(o[pick(POINTS)]) end
 
 local function shape()
   local s = range(0.1, 0.7)
@@ -98,6 +103,15 @@ local function new_rope()
     bend = chance(0.5) and 10 ^ range(-4, 1) or nil, damping = range(0, 0.01), friction = range(0, 1), self_collision = chance(0.7),
     pins = chance(0.4) and pick { "first", "last_clamped", { 1, 2 } } or nil, drag = chance(0.2) and range(0, 2) or nil })
 end
+local function new_soft()
+  local x, y, z = range(0.1, 0.6), range(0.1, 0.6), range(0.1, 0.6)
+  local shape = pick { feder.box(x, y, z), feder.sphere(x / 2), feder.capsule(x / 4, y) }
+  return keep("soft", world:soft { shape = shape, resolution = whole(1, 3), position = place(1), rotation = { axis = { 1, 2, 0 }, angle = range(0, 3) },
+    velocity = chance(0.3) and { range(-9, 9), range(-9, 9), range(-9, 9) } or nil, density = 10 ^ range(1.5, 3.5), young = 10 ^ range(3, 6),
+    poisson = chance(0.5) and range(-0.5, 0.49) or nil, damping = range(0, 0.02), friction = range(0, 1), self_collision = chance(0.7),
+    solver = pick { "xpbd", "vbd", "implicit" }, elasticity = chance(0.3) and pick { "neo_hookean", "corotated", "stvk" } or nil,
+    thickness = chance(0.3) and range(0.002, 0.05) or nil, pins = chance(0.2) and { 1 } or nil })
+end
 local function new_fluid()
   if #o.fluid > 1 then return drop("fluid") end
   local spacing = range(0.08, 0.14)
@@ -137,12 +151,12 @@ operations = {
   function() if chance(0.5) then pick(o.body):sleep() else pick(o.body):wake() end end,
   function() pick(o.joint):set_motor(range(-9, 9), range(0, 1000)) end,
   function() pick(o.joint):set_limits(range(-1, 0), range(0, 1)) end,
-  function() local n = soft() n:set_point(whole(1, n:count()), vector(1)) end,
-  function() local n = soft() n:set_velocity(whole(1, n:count()), vector(9)) end,
-  function() local n = soft() n:pin(whole(1, n:count())) end,
-  function() local n = soft() n:unpin(whole(1, n:count())) end,
-  function() local n = soft() n:attach(whole(1, n:count()), pick(o.body), vector(0.2)) end,
-  function() local n = soft() n:detach(whole(1, n:count())) end,
+  function() local n = points() n:set_point(whole(1, n:count()), vector(1)) end,
+  function() local n = points() n:set_velocity(whole(1, n:count()), vector(9)) end,
+  function() local n = points() n:pin(whole(1, n:count())) end,
+  function() local n = points() n:unpin(whole(1, n:count())) end,
+  function() local n = points() n:attach(whole(1, n:count()), pick(o.body), vector(0.2)) end,
+  function() local n = points() n:detach(whole(1, n:count())) end,
   function() local n = pick(o.net) n:add_spring { whole(1, n:count()), whole(1, n:count()), stiffness = range(1, 5) } end,
   function() pick(o.net):remove_spring(whole(1, 3)) end,
   function() world:set_gravity(range(-3, 3), range(-12, 3), range(-3, 3)) end,
@@ -172,10 +186,18 @@ operations = {
 }
 if ropes then
   for _, operation in ipairs { new_rope, new_rope,
-    function() local n = soft() n:attach(whole(1, n:count()), soft()) end,
+    function() local n = points() n:attach(whole(1, n:count()), points()) end,
     function() local r = pick(o.rope) r:apply_impulse(whole(1, r:count()), vector(1)) end,
     function() local r = pick(o.rope) if chance(0.5) then r:sleep() else r:wake() end end,
     function() local r = pick(o.rope) r:tension(1) r:length() r:positions() r:strain() r:mass() end,
+  } do operations[#operations + 1] = operation end
+end
+if softs then
+  for _, operation in ipairs { new_soft, new_soft,
+    function() local n = points() n:attach(whole(1, n:count()), points()) end,
+    function() local b = pick(o.soft) b:apply_impulse(whole(1, b:count()), vector(9)) end,
+    function() local b = pick(o.soft) if chance(0.5) then b:sleep() else b:wake() end end,
+    function() local b = pick(o.soft) b:volume() b:inverted() b:strain() b:positions() b:awake() b:mass() end,
   } do operations[#operations + 1] = operation end
 end
 for _, name in ipairs(names) do
