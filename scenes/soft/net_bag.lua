@@ -50,7 +50,8 @@ return feder.scene {
     for k = 1, sides do
       local a = 2 * math.pi * k / sides
       parts[k] = { shape = feder.capsule(0.008, 2 * hoop * math.tan(math.pi / sides) + 0.016),
-        position = { hoop * math.cos(a), 0, hoop * math.sin(a) }, rotation = { euler = { math.pi / 2, -a, 0 }, fixed = true } }
+        position = { hoop * math.cos(a), 0, hoop * math.sin(a) },
+        rotation = { euler = { math.pi / 2, -a, 0 }, fixed = true } }
     end
     scene.hoop = world:body { name = "hoop", shape = feder.compound(parts), position = { 0, height, 0 }, mass = 0.4,
       linear_damping = 0.5, angular_damping = 0.5, color = "#6f5a3c", group = 2, mask = 1 }
@@ -71,7 +72,7 @@ return feder.scene {
     for k = 1, count do
       world:after(0.4 * (k - 1), function()
         scene.balls[k] = world:soft { name = "ball" .. k, shape = feder.sphere(radius), resolution = 4, young = young,
-          poisson = 0.4, density = 300, position = { 0.03 * math.cos(2.4 * k), height + 0.12, 0.03 * math.sin(2.4 * k) },
+          position = { 0.03 * math.cos(2.4 * k), height + 0.12, 0.03 * math.sin(2.4 * k) }, poisson = 0.4, density = 300,
           damping = 0.005, friction = 0.4, color = colors[(k - 1) % #colors + 1] }
       end)
     end
@@ -89,7 +90,8 @@ return feder.scene {
     for k, one in ipairs(scene.balls) do
       local x, y, z, low, speed = state(one)
       local name = "ball " .. k
-      expect.error(math.sqrt((x - x0) ^ 2 + (z - z0) ^ 2), "<", hoop - radius / 2, "way from the bag's axis of " .. name)
+      local aside = math.sqrt((x - x0) ^ 2 + (z - z0) ^ 2)
+      expect.error(aside, "<", hoop - radius / 2, "way from the bag's axis of " .. name)
       expect.error(y, "<", y0, "height of " .. name)
       expect.error(low, ">", bottom, "lowest point of " .. name)
       expect.error(speed, "<", 0.15, "speed of " .. name)

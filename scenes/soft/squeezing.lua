@@ -1,4 +1,4 @@
--- scenes/soft/squeezing.lua: a plunger pushes a soft ball through a funnel, whose neck is narrower than the ball. Behind
+-- scenes/soft/squeezing.lua: a plunger pushes a soft ball through a funnel with a neck narrower than the ball. Behind
 -- it the ball has its volume and its shape again.
 local feder = require "feder"
 
