@@ -148,7 +148,7 @@ MassPoint Soft::Impl::mass_point(const SoftBody& b, std::uint32_t i) const {
 
 // Generators are asked once per substep. What they say against the velocity changes within it, as the points swing in
 // their solver substeps: held, it would lag and feed the swing. So it is linearised, F(v) = F(v0) - k (v - v0), and
-// taken implicitly in each solver substep; but for scripts, which are asked once.
+// taken implicitly in each solver substep.
 void Soft::Impl::add_forces(SoftBody& b, StepContext& c) {
   const Surface& s = surfaces.list[b.surface];
   const double time = c.time + static_cast<double>(c.substep) * static_cast<double>(c.h);
@@ -156,7 +156,7 @@ void Soft::Impl::add_forces(SoftBody& b, StepContext& c) {
   forces.assign(b.script_force.begin(), b.script_force.end());
   points.clear(), b.kept.clear();
   each_force(b, [&](const ForceEntry& f) {
-    const bool drags = f.force->depends_on_velocity() && !f.force->on_stepping_thread();
+    const bool drags = f.force->depends_on_velocity();
     const Real most = (drags ? kMostDrag : Real(1)) * store.get<Forces>().drag_share() / c.h;
     if (points.empty())
       for (std::uint32_t i = 0; i < b.size(); ++i) {
@@ -270,7 +270,7 @@ void Soft::Impl::commit(StepContext& c) {
         b.bad_point = i;
     if (b.bad_point != kNone) {  // quarantine: held where the step began
       b.state.frozen = 1;
-      b.velocity.assign(b.size(), Vec3::Zero());
+      for (auto* a : {&b.velocity, &b.contact, &b.steady_contact}) a->assign(b.size(), Vec3::Zero());
       message += (message.empty() ? "" : "; ") + objects.describe(b.object) + " point " +
                  std::to_string(b.bad_point + 1) + " went non-finite: the body is held where it was";
       if (!bad) bad = b.object;
