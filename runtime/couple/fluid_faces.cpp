@@ -181,9 +181,12 @@ void FluidFaces::aim(FaceContact& k, const Vec3& from, const Vec3& to) const {
   k.normal = normal, k.distance = std::max(dot(normal, Vec3(from - then)), std::min(k.distance, k.rest));
 }
 
-bool FluidFaces::near(Fluid& fluid, const FaceSurface& s, Real margin) const {
+bool FluidFaces::near(Fluid& fluid, const FaceSurface& s, std::span<const Vec3> points, const StepContext& c) {
+  Real fastest = 0;
+  for (std::size_t n = 0; n < fluid.pool_count(); ++n) fastest = std::max(fastest, fluid.pool_at(n).max_speed());
+  const Real margin = c.dt * (fastest + c.dt * length(c.gravity));
   Aabb all;
-  for (const std::uint32_t v : s.triangles) all.include(start[s.first + v]);
+  for (const std::uint32_t v : s.triangles) all.include(points[s.first + v]);
   all.grow(s.half + margin);
   for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
     const FluidPool& p = fluid.pool_at(n);
@@ -194,7 +197,7 @@ bool FluidFaces::near(Fluid& fluid, const FaceSurface& s, Real margin) const {
       const Real far = s.half + margin + p.desc.spacing / 2;
       for (std::size_t t = 0; t + 2 < s.triangles.size(); t += 3) {
         const std::uint32_t* v = &s.triangles[t];
-        const Vec3 q = closest_on_triangle(x, start[s.first + v[0]], start[s.first + v[1]], start[s.first + v[2]]);
+        const Vec3 q = closest_on_triangle(x, points[s.first + v[0]], points[s.first + v[1]], points[s.first + v[2]]);
         if (length(Vec3(x - q)) < far) return true;
       }
     }

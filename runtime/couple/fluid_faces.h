@@ -91,8 +91,8 @@ class FluidFaces {
       if (by) hit(*by, met);
     }
   }
-  // A particle is within `margin` of a face of this object, at `start`.
-  bool near(Fluid& fluid, const FaceSurface& s, Real margin) const;
+  // A particle may reach a face of this object in this step.
+  static bool near(Fluid& fluid, const FaceSurface& s, std::span<const Vec3> points, const StepContext& c);
   bool near_box(const FluidPool& p, const StepContext& c) const;
   void validate() const;
 

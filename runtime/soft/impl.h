@@ -118,7 +118,7 @@ struct Soft::Impl {
   bool gravity_known = false;
   Vec3 gravity = Vec3::Zero();  // of the last step: a change wakes all
   Array<MassPoint> points{&arena};
-  Array<Vec3> forces{&arena};                  // N
+  Array<Vec3> forces{&arena};                 // N
   Array<Vec3> as_is{&arena}, faster{&arena};  // N, of one force, and on points that are faster
 
   SoftBody& body(ObjectId id) const {

@@ -107,7 +107,9 @@ Soft::Info Soft::info(std::size_t n) const {
           {b.position.data(), b.position.size()},
           {b.inv_mass.data(), b.inv_mass.size()},
           {b.mesh.skin.data(), b.mesh.skin.size()},
-          b.settings.thickness};
+          b.settings.thickness,
+          b.settings.group,
+          b.settings.mask};
 }
 Soft::Info Soft::info(ObjectId id) const { return info(std::size_t(impl_->objects.index(id))); }
 

@@ -14,7 +14,7 @@ constexpr double kLarge = 5000, kUsual = 64, kMost = 1000;
 constexpr double kWay = 0.75;     // of the girth: a fast body comes no farther in a solver substep, and is seen within
 constexpr Real kMostDrag = 1000;  // of mass over the substep: more stops a point as well
 constexpr Real kFaster = Real(0.1), kLeastFaster = Real(0.01);  // of the velocity, and m/s: the step of differences
-constexpr double kNoticed = 0.99;  // of the stiffness: less is a warning
+constexpr double kNoticed = 0.99;                               // of the stiffness: less is a warning
 
 int soft_cap(const SoftBody& b) {
   if (b.settings.max_substeps > 0) return b.settings.max_substeps;

@@ -23,7 +23,7 @@ struct SoftMesh {
   Array<Real> volume{&arena};             // m^3, at rest
   std::uint32_t visible = 0;              // points up to the last one of the skin
   double rest_volume = 0, mean_edge = 0;  // m^3; m, of the skin
-  double girth = 0;                       // m, twice volume over area: the thickness of a plate, two thirds of a ball's radius
+  double girth = 0;  // m, twice volume over area: the thickness of a plate, two thirds of a ball's radius
 
   Corners rest_corners(std::size_t k) const {
     const TetrahedronPoints& t = tetrahedra[k];

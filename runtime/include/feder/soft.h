@@ -122,6 +122,7 @@ class Soft final : public System {
     std::span<const Real> inv_mass;
     std::span<const std::uint32_t> skin;  // three point numbers per triangle, counter-clockwise seen from outside
     Real thickness = 0;                   // m
+    std::uint32_t group = 1, mask = 0xffffffffu;
   };
   std::size_t soft_count() const;
   Info info(std::size_t n) const;
