@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fluid/block_sums.h"
 #include "geom/closest.h"
 #include "geom/swept_triangle.h"
 
@@ -39,6 +40,7 @@ void plane_weights(const Vec3& x, const Vec3& a, const Vec3& b, const Vec3& c, R
 
 void FluidFaces::list_faces() {
   faces_.clear(), box_.clear();
+  solids_ = Aabb{};
   for (std::uint32_t k = 0; k < surfaces.size(); ++k) {
     const FaceSurface& s = surfaces[k];
     for (std::size_t t = 0; t + 2 < s.triangles.size(); t += 3) {
@@ -50,6 +52,7 @@ void FluidFaces::list_faces() {
         FEDER_ASSERT(f.v[i] < start.size());
         box.include(start[f.v[i]]);
       }
+      if (s.solid) solids_.include(box);
       box.grow(s.half);
       faces_.push_back(f), box_.push_back(box);
     }
@@ -102,6 +105,90 @@ void FluidFaces::screen(Fluid& fluid, const StepContext& c) {
       }
     });
   }
+}
+
+namespace {
+
+// Twice the area of o, a, b in the plane of y and z, with the sign that the edge has for both of its faces: points on
+// an edge are on one side of it.
+bool left_of(const Vec3& x, std::uint32_t i, const Vec3& a, std::uint32_t j, const Vec3& b) {
+  const bool turned = j < i;
+  const Vec3 &from = turned ? b : a, &to = turned ? a : b;
+  const double u = static_cast<double>(to[1]) - static_cast<double>(from[1]);
+  const double v = static_cast<double>(to[2]) - static_cast<double>(from[2]);
+  const double s = static_cast<double>(x[1]) - static_cast<double>(from[1]);
+  const double t = static_cast<double>(x[2]) - static_cast<double>(from[2]);
+  return (u * t - v * s >= 0) != turned;
+}
+
+}  // namespace
+
+// By the winding number: of the faces that a ray along x meets, how many more it leaves by than it enters by.
+std::uint32_t FluidFaces::solid_around(const FluidPool& p, const Vec3& x) const {
+  Aabb ray{x, x};
+  ray.hi[0] = solids_.hi[0];
+  std::uint32_t around = kNone;
+  for (std::uint32_t k = 0; k < surfaces.size() && around == kNone; ++k) {
+    const FaceSurface& s = surfaces[k];
+    if (!s.solid || !meets(p, s)) continue;
+    int winding = 0;
+    tree_.query(ray, [&](std::uint32_t at) {
+      const Face& f = faces_[at];
+      if (f.surface != k) return;
+      const Vec3 &a = start[f.v[0]], &b = start[f.v[1]], &e = start[f.v[2]];
+      const bool ab = left_of(x, f.v[0], a, f.v[1], b), be = left_of(x, f.v[1], b, f.v[2], e);
+      if (ab != be || ab != left_of(x, f.v[2], e, f.v[0], a)) return;
+      // which side of the face it is on: beyond it along x, where the face looks that way
+      const Vec3 normal = cross(Vec3(b - a), Vec3(e - a));
+      const bool behind = dot(normal, Vec3(x - a)) < 0;
+      if (ab == behind) winding += ab ? 1 : -1;
+    });
+    if (winding > 0) around = k;
+  }
+  return around;
+}
+
+bool FluidFaces::mark_inside(FluidPool& p, const StepContext& c) const {
+  if (!(solids_.lo[0] <= solids_.hi[0])) return false;  // there are none
+  const Scratch::Frame frame(*c.scratch);
+  const std::uint32_t blocks = block_count(p.count, kFluidGrain);
+  std::uint8_t* any = c.scratch->take<std::uint8_t>(blocks);
+  c.jobs->for_blocks(p.count, kFluidGrain, [&](std::uint32_t first, std::uint32_t last, int) {
+    std::uint8_t found = 0;
+    for (std::uint32_t i = first; i < last; ++i) {
+      const Vec3 x = p.x[i].vec();
+      p.inside[i] = overlaps(solids_, Aabb{x, x}) && solid_around(p, x) != kNone;
+      found |= p.inside[i];
+    }
+    any[first / kFluidGrain.items] = found;
+  });
+  return std::any_of(any, any + blocks, [](std::uint8_t b) { return b != 0; });
+}
+
+// To the nearest point of the skin, and from there to the clearance outside.
+bool FluidFaces::way_out(const FluidPool& p, FaceContact& k, FaceHit& way) const {
+  const Vec3 x = p.x[k.particle].vec();
+  k.surface = solid_around(p, x);
+  if (k.surface == kNone) return false;
+  Real nearest = kInfinity;
+  for (const Face& f : faces_) {
+    if (f.surface != k.surface) continue;
+    const Vec3 &a = start[f.v[0]], &b = start[f.v[1]], &e = start[f.v[2]];
+    Vec3 q;
+    Real weight[3];
+    nearest_weights(x, a, b, e, q, weight);
+    const Vec3 normal = cross(Vec3(b - a), Vec3(e - a));
+    const Real far = length(Vec3(q - x));
+    if (far >= nearest || !(dot(normal, normal) > 0)) continue;
+    nearest = far;
+    std::copy(f.v, f.v + 3, k.vertex), std::copy(weight, weight + 3, way.weight);
+    way.normal = normalized_or(normal, Vec3(0, 1, 0));
+    way.position = q;
+  }
+  if (nearest == kInfinity) return false;
+  k.rest = p.desc.spacing / 2 + surfaces[k.surface].half;
+  way.position += kClearance * k.rest * way.normal;
+  return true;
 }
 
 void FluidFaces::find(Fluid& fluid) {

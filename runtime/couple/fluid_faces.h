@@ -15,6 +15,8 @@
 // calls: screens and origins, in the pools. Weak spot: particles between layers of a sheet that lie closer together
 // than its clearance have no room.
 #pragma once
+#include <algorithm>
+
 #include "bounds/box_tree.h"
 #include "feder/fluid.h"
 #include "feder/plan.h"
@@ -30,6 +32,7 @@ struct FaceSurface {
   Real half = 0;                             // of the thickness, m
   std::uint32_t group = 1, mask = 0xffffffffu;
   std::uint32_t index = 0;  // of the object, for the coupling
+  bool solid = false;       // nothing belongs inside
 };
 
 // Candidate contact of a particle and a face in this substep.
@@ -60,6 +63,21 @@ class FluidFaces {
   // At the start of a substep, before the fluid moves: records the origins of particles and sets their screens. Needs
   // `start`.
   void screen(Fluid& fluid, const StepContext& c);
+  // After screen(): calls out(contact, FaceHit) for particles inside a solid surface, with the nearest place outside.
+  template <class F>
+  void expel(Fluid& fluid, const StepContext& c, F&& out) const {
+    for (std::size_t n = 0; n < fluid.pool_count(); ++n) {
+      FluidPool& p = fluid.pool_at(n);
+      if (!p.active() || p.origin.empty() || !mark_inside(p, c)) continue;
+      const auto last = p.inside.begin() + p.count;
+      for (auto at = std::find(p.inside.begin(), last, 1); at != last; at = std::find(at + 1, last, 1)) {
+        FaceContact k;
+        FaceHit way;
+        k.pool = static_cast<std::uint32_t>(n), k.particle = static_cast<std::uint32_t>(at - p.inside.begin());
+        if (way_out(p, k, way)) out(k, way);
+      }
+    }
+  }
   // After the fluid has moved: finds candidate contacts. Needs `end`.
   void find(Fluid& fluid);
   // After a coupling has moved a particle since find(): m.
@@ -102,6 +120,11 @@ class FluidFaces {
     std::uint32_t surface = 0;
   };
   void list_faces();
+  // Marks in FluidPool::inside the particles inside a solid surface that the pool meets; false: none.
+  bool mark_inside(FluidPool& p, const StepContext& c) const;
+  // Of the solid surface with the smallest number around x; kNone: none is.
+  std::uint32_t solid_around(const FluidPool& p, const Vec3& x) const;
+  bool way_out(const FluidPool& p, FaceContact& k, FaceHit& way) const;
   void aim(FaceContact& k, const Vec3& from, const Vec3& to) const;
   // The contact with the face that a particle met first on its way from `from` to `to`, or else ends too near to; null:
   // none.
@@ -115,6 +138,7 @@ class FluidFaces {
   Array<Face> faces_;
   Array<Aabb> box_;
   BoxTree tree_;
+  Aabb solids_;       // of all solid surfaces, at the start of the substep
   Real allowed_ = 0;  // m, difference of points from `end` up to which candidates stay valid
   Real moved_ = 0;    // m, the largest of particles since
 };

@@ -64,11 +64,12 @@ void FluidSkins::list_surfaces() {
   for (std::uint32_t n = 0; n < surfaces_->list.size(); ++n) {
     const Surface& s = surfaces_->list[n];
     if (!takes(s)) continue;
-    faces_.surfaces.push_back({s.object, s.first, s.triangles, s.thickness / 2, s.group, s.mask, n});
+    faces_.surfaces.push_back({s.object, s.first, s.triangles, s.thickness / 2, s.group, s.mask, n, s.solid});
     pressed_.push_back({s.object, 0, 0});
     points = std::max(points, s.first + s.total);
   }
   faces_.start.resize(points), faces_.end.resize(points);
+  std::erase_if(warned, [&](const Expelled& e) { return !objects_->alive(e.object) || !objects_->alive(e.fluid); });
   contact_states_.clear();
   mismatch_ = given_ = 0;
   projected_ = 0;
@@ -106,6 +107,36 @@ void FluidSkins::begin(StepContext& c) {
   for (std::uint32_t i = 0; i < faces_.start.size(); ++i)
     faces_.start[i] = surfaces_->position[i] + surfaces_->delta_position[i].vec();
   faces_.screen(*fluid_, c);
+  if (c.substep == 0) expel(c);
+}
+
+// Particles that were filled into a soft body, or that tore through its skin where it was crushed, are moved out.
+void FluidSkins::expel(StepContext& c) {
+  expelled_.clear();
+  faces_.expel(*fluid_, c, [&](const FaceContact& k, const FaceHit& way) {
+    project_out(k, way, c);
+    FluidPool& p = fluid_->pool_at(k.pool);
+    p.origin[k.particle].set(way.position);
+    const Expelled own{faces_.surfaces[k.surface].object, p.object, 1};
+    const auto same = [&](const Expelled& e) { return e.object == own.object && e.fluid == own.fluid; };
+    if (const auto at = std::find_if(expelled_.begin(), expelled_.end(), same); at != expelled_.end())
+      ++at->count;
+    else
+      expelled_.push_back(own);
+  });
+  if (expelled_.empty()) return;
+  contact_states_.end_substep();
+  for (const Expelled& e : expelled_) {
+    const auto same = [&](const Expelled& o) { return o.object == e.object && o.fluid == e.fluid; };
+    if (std::any_of(warned.begin(), warned.end(), same)) continue;
+    warned.push_back(e);
+    c.events->warn("fluid_inside",
+                   objects_->describe(e.fluid) + ": " + std::to_string(e.count) + " particles were inside " +
+                       objects_->describe(e.object) +
+                       " and are moved out: they were filled there, or struck it harder than it can bear; fill beside "
+                       "it, or take a larger young",
+                   e.fluid);
+  }
 }
 
 void FluidSkins::make_rows(StepContext& c) {

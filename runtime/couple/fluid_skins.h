@@ -16,7 +16,7 @@ namespace feder {
 
 class FluidSkins {
  public:
-  explicit FluidSkins(Arena& arena) : arena_(arena), faces_(arena) {}
+  explicit FluidSkins(Arena& arena) : warned(&arena), arena_(arena), faces_(arena) {}
   // That of the store, made with the first coupling.
   static FluidSkins& of(SystemSetup& setup, const char* coupling);
 
@@ -26,6 +26,12 @@ class FluidSkins {
     Real along = 0;  // impulse along gravity, N s
     Real all = 0;    // sum of the magnitudes of the impulses, N s
   };
+  // Particles of a fluid that were inside a soft body.
+  struct Expelled {
+    ObjectId object, fluid;
+    std::uint32_t count = 0;
+  };
+  Array<Expelled> warned;  // whose warning was sent; saved
 
   // Of the coupling with that owner of surfaces; where it is the first that has some, its names are those of the
   // passes.
@@ -55,6 +61,7 @@ class FluidSkins {
   void make_rows(StepContext& c);
   void read_back(StepContext& c);
 
+  void expel(StepContext& c);
   static bool takes(const Surface& s) { return !s.coasts && !s.triangles.empty(); }
   bool wet(const Aabb& box, Real seconds) const;
   void list_surfaces();
@@ -82,9 +89,10 @@ class FluidSkins {
   Array<Pressing> pressing_{&arena_};  // by contact, of the running substep
   Array<Pressed> pressed_{&arena_};    // by surface of faces_
   FaceContactStates contact_states_{arena_};
-  std::uint32_t own_bodies_ = 0;     // number of solver bodies without those of particles
-  double mismatch_ = 0, given_ = 0;  // N s, of the last step
-  std::uint64_t projected_ = 0;      // corrections of the last step
+  Array<Expelled> expelled_{&arena_};  // of the step
+  std::uint32_t own_bodies_ = 0;       // number of solver bodies without those of particles
+  double mismatch_ = 0, given_ = 0;    // N s, of the last step
+  std::uint64_t projected_ = 0;        // corrections of the last step
 };
 
 }  // namespace feder

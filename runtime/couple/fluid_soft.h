@@ -15,8 +15,8 @@ class FluidSoft final : public System {
   void add_passes(StepPlan& plan) override;
   std::size_t count() const override;  // particles in contact with surfaces
   void hash(Hash&) const override {}   // its state follows from the two systems
-  void save(Writer& w) const override { w.list(pressed_); }
-  void load(Reader& r) override { r.list(pressed_), skins_.forget(); }
+  void save(Writer& w) const override { w.list(pressed_), w.list(skins_.warned); }
+  void load(Reader& r) override { r.list(pressed_), r.list(skins_.warned), skins_.forget(); }
   void validate() const override;
   // fluid_soft.impulse_mismatch, .force_n, .guarded
   void residuals(std::vector<Residual>& out) const override;

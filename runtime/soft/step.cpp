@@ -98,6 +98,7 @@ void Soft::Impl::show(StepContext& c) {
     s.rest = b.mesh.rest.data();
     s.thickness = b.settings.thickness, s.friction = b.settings.friction, s.wakes = kSoftCause;
     s.group = b.settings.group, s.mask = b.settings.mask;
+    s.solid = true;
     s.self = b.settings.self_collision != 0, s.active = b.active();
     s.sleep_candidate = b.state.sleep_steps != 0, s.pinned = b.any_pin;
     Real fastest = 0;

@@ -57,6 +57,7 @@ struct Surface {
   bool active = true;                    // moves: neither asleep nor in quarantine
   bool sleep_candidate = false;          // about to fall asleep
   bool pinned = false;                   // a point of it is held
+  bool solid = false;                    // its triangles enclose what it is made of: nothing belongs inside
   bool balls = false;                    // its points are colliders of their own for bodies
   bool coasts =
       false;  // its own solver runs once per substep: in the contact loop its points move at constant velocity
