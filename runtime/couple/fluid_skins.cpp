@@ -14,6 +14,13 @@
 #include "couple/coupling.h"
 
 namespace feder {
+namespace {
+
+// Of a particle between a soft body and a wall: spacings from it, and cosine between the normals.
+constexpr Real kLeans = Real(0.6), kOpposite = Real(0.7);
+constexpr Real kRests = Real(0.08);  // spacings in a substep, against the body: one that is faster is not held
+
+}  // namespace
 
 FluidSkins& FluidSkins::of(SystemSetup& s, const char* coupling) {
   FluidSkins& f = s.store.need<FluidSkins>(coupling);
@@ -139,6 +146,18 @@ void FluidSkins::expel(StepContext& c) {
   }
 }
 
+// Whether a contact presses its particle against a solid that fluids do not move: it then gives way no more than that
+// does, or the particle would be taken through the skin.
+bool FluidSkins::leans(const FluidPool& p, const FaceContact& k) const {
+  if (p.touches) return false;  // the contacts are those of the mixture that it was in
+  const Boundary& boundary = fluid_->boundary();
+  for (const BoundaryContact& w : p.contacts_of(k.particle)) {
+    const bool near = w.distance(p.x[k.particle].vec()) < kLeans * p.desc.spacing;
+    if (near && dot(w.normal, k.normal) < -kOpposite && !boundary.body_of(w).dynamic) return true;
+  }
+  return false;
+}
+
 void FluidSkins::make_rows(StepContext& c) {
   drop_rows();
   particle_bodies_.clear();
@@ -162,7 +181,11 @@ void FluidSkins::make_rows(StepContext& c) {
       SolverBody s;
       s.velocity = body.given;
       SolverMass m;
-      m.inv_mass = 1 / p.mass, m.inv_mass_axes = Vec3::Constant(1 / p.mass);
+      Vec3 slip = body.given;  // against the face
+      for (int i = 0; i < 3; ++i) slip -= k.weight[i] * velocity[k.vertex[i]].vec();
+      const bool rests = length(slip) * c.h < kRests * p.desc.spacing;
+      body.held = rests && faces_.surfaces[k.surface].solid && leans(p, k);
+      m.inv_mass = body.held ? Real(0) : 1 / p.mass, m.inv_mass_axes = Vec3::Constant(m.inv_mass);
       m.center = p.origin[k.particle].vec();
       solver_bodies_->state.push_back(s), solver_bodies_->mass.push_back(m);
       particle_bodies_.push_back(body);
@@ -228,7 +251,7 @@ void FluidSkins::read_back(StepContext& c) {
       p.x[k.particle].set(now);
       p.v[k.particle].set(p.v[k.particle].vec() + gain);
     }
-    for (int i = 0; i < 3; ++i)
+    for (int i = 0; i < 3 && !k.held; ++i)
       mismatch_ = std::max(mismatch_, std::abs(static_cast<double>(p.mass * gain[i] - k.pushed[i])));
   }
   solver_bodies_->state.resize(own_bodies_), solver_bodies_->mass.resize(own_bodies_);

@@ -53,6 +53,7 @@ class FluidSkins {
     std::uint32_t pool = 0, particle = 0, solver_index = 0;
     Vec3 given = Vec3::Zero();   // velocity, m/s
     Vec3 pushed = Vec3::Zero();  // impulse of the rows, N s
+    bool held = false;           // against a wall
   };
 
   // Passes.
@@ -62,6 +63,7 @@ class FluidSkins {
   void read_back(StepContext& c);
 
   void expel(StepContext& c);
+  bool leans(const FluidPool& p, const FaceContact& k) const;
   static bool takes(const Surface& s) { return !s.coasts && !s.triangles.empty(); }
   bool wet(const Aabb& box, Real seconds) const;
   void list_surfaces();

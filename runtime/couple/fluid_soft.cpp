@@ -1,7 +1,10 @@
 // What is special to soft bodies in fluid (the rest: fluid_skins.h): those that fluid reaches wake, and what it presses
 // on stays awake. Pressure reaches the skin as the push of the particles that lie on it, half a spacing outside it: a
-// block displaces its volume, and floats. Kept between calls: impulses on each, for waking. Weak spot: a fluid that
-// lies on one never sleeps.
+// block displaces its volume, and floats. Kept between calls: impulses on each, for waking. Weak spots: a
+// fluid that lies on one never sleeps; a single layer of particles that is left on top of a block has no pressure to
+// run off by, and presses a block that dived down by a spacing (at 900 kg/m3, from above, 0.43 m deep in place of
+// 0.36); under a block that dived to a few spacings above the ground pbf and wcsph lack up to a tenth of the pressure,
+// as under rigid ones.
 #include "couple/fluid_soft.h"
 
 #include "couple/coupling.h"
