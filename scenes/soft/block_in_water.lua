@@ -9,7 +9,7 @@ local wide, high, side, cells, spacing = 1, 0.6, 0.4, 6, 0.05  -- m; cells along
 
 return feder.scene {
   title = "A block in water",
-  seconds = 6,
+  seconds = 5,
   picture = 0.5,
   camera = { target = { 0, 0.5, 0 }, distance = 2.6, yaw = feder.deg(35), pitch = feder.deg(22) },
 
@@ -31,7 +31,7 @@ return feder.scene {
 
   -- Over the last second: the level of the water beside the block less the height of its underside, by its middle.
   update = function(world, scene)
-    if world:time() < 5 then return end
+    if world:time() < 4 then return end
     local middle, n = 0, scene.block:count()
     for k = 1, n do
       local _, y = scene.block:point(k)
