@@ -157,8 +157,7 @@ void Soft::Impl::add_forces(SoftBody& b, StepContext& c) {
   forces.assign(b.script_force.begin(), b.script_force.end());
   points.clear(), b.kept.clear();
   each_force(b, [&](const ForceEntry& f) {
-    const bool drags = f.force->depends_on_velocity();
-    const Real most = (drags ? kMostDrag : Real(1)) * store.get<Forces>().drag_share() / c.h;
+    const Real most = kMostDrag * store.get<Forces>().drag_share() / c.h;
     if (points.empty())
       for (std::uint32_t i = 0; i < b.size(); ++i) {
         MassPoint p = mass_point(b, i);
@@ -168,7 +167,7 @@ void Soft::Impl::add_forces(SoftBody& b, StepContext& c) {
     for (std::uint32_t i = 0; i < b.size(); ++i)
       points[i].velocity = surfaces.velocity[s.first + i].vec(), points[i].most_drag = most * b.mass[i];
     f.force->add(points.data(), b.size(), time, forces.data());
-    if (drags) add_resistance(b, *f.force, time);
+    if (f.force->depends_on_velocity()) add_resistance(b, *f.force, time);
   });
   const Real h = surfaces.groups[s.loop]->step;
   for (std::uint32_t i = 0; i < b.size(); ++i) b.acceleration[i] = g + forces[i] * b.inv_mass[i];
