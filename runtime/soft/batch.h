@@ -11,7 +11,7 @@ struct TetBatch {
   Lane8x3 base[3];      // v[1], v[2], v[3] minus v[0] at the start of the step, m
   Lane8x3 gradient[3];  // of the barycentric weights of v[1], v[2], v[3] at rest, 1/m
   Lane8 volume;         // at rest, m^3; less of flat ones, which count as softer (batches.cpp)
-  Lane8 limit;          // Pa: stiffness that a push of one solver substep carries (kernel.h, carried)
+  Lane8 room;           // how often its response fits into that of the body's stiffest tetrahedron, at rest
   Lane8 share;          // of the stress that the last push carried
 };
 
@@ -33,6 +33,7 @@ struct TetPass {
   WideReal h;                               // s, that a push stands for
   WideReal mu, lame, shear, lambda, gamma;  // Pa, see SoftMaterial
   WideReal damping_time;                    // damping x time, s^2
+  WideReal carried;                         // Pa: stiffness of the stiffest tetrahedron that a push carries
 };
 
 struct TetKernels {

@@ -8,7 +8,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
 #include "base/wide.h"
@@ -18,7 +17,8 @@ namespace feder {
 namespace {
 constexpr JobGrain kTetGrain{32, 5'000};  // batches per job
 constexpr std::uint32_t kColors = 64;
-constexpr double kSpared = 2e-3;         // of the volume times its stiffness: what may be lost at stiff tetrahedra
+constexpr double kSpared = 2e-3;  // of the volume times its stiffness: what may be lost at stiff tetrahedra
+constexpr double kMostRoom = 1e12;
 constexpr int kIterations = 40;          // of the power method
 constexpr double kUnderestimate = 1.05;  // of its result
 }  // namespace
@@ -54,7 +54,6 @@ std::uint32_t SoftBatches::color(const SoftView& v) {
 void SoftBatches::build(const SoftView& v) {
   if (version_ == v.version) return;
   version_ = v.version;
-  step_ = 0;
   const SoftMesh& m = *v.mesh;
   const std::uint32_t spare = v.points, count = color(v);
   TetBatch empty{};
@@ -62,7 +61,7 @@ void SoftBatches::build(const SoftView& v) {
   for (int i = 0; i < kLanes; ++i) {  // a tetrahedron of unit edges without volume
     empty.gradient[0].x.v[i] = empty.gradient[1].y.v[i] = empty.gradient[2].z.v[i] = 1;
     empty.base[0].x.v[i] = empty.base[1].y.v[i] = empty.base[2].z.v[i] = 1;
-    empty.share.v[i] = 1, empty.limit.v[i] = Real(1e30);
+    empty.share.v[i] = 1, empty.room.v[i] = static_cast<Real>(kMostRoom);
   }
   // tetrahedra by colour, in the order of their numbers
   std::vector<std::vector<std::uint32_t>> of(count);
@@ -113,22 +112,19 @@ void SoftBatches::measure(const SoftView& v) {
   stiffest_ = cut * stiffness;
   std::vector<double> scale(n);
   for (std::size_t k = 0; k < n; ++k) scale[k] = std::fmin(1, cut / rate_[k]), rate_[k] *= scale[k];
-  for (std::size_t l = 0; l < lane_.size(); ++l)
-    if (lane_[l] != kNone) tets_[l / kLanes].volume.v[l % kLanes] *= static_cast<Real>(scale[lane_[l]]);
+  for (std::size_t l = 0; l < lane_.size(); ++l) {
+    if (lane_[l] == kNone) continue;
+    TetBatch& b = tets_[l / kLanes];
+    b.volume.v[l % kLanes] *= static_cast<Real>(scale[lane_[l]]);
+    b.room.v[l % kLanes] = static_cast<Real>(std::fmin(cut / rate_[lane_[l]], kMostRoom));
+  }
   fastest_ =
       std::fmin(stiffest_, kUnderestimate * fastest_mode(m, v.points, v.material, v.density, scale, kIterations));
 }
 
-// A push of h carries stiffness up to kCarried of what the stiffest tetrahedron may have at rest.
 void SoftBatches::set_step(const SoftView& v, Real h, double share) {
-  if (step_ == h && share_ == share) return;
-  step_ = h, share_ = share;
-  const double most = kCarried * (stiffest_ / fastest_) / (double(h) * double(h));  // 1/s^2, of a tetrahedron alone
-  FEDER_ASSERT(v.version == version_ && lane_.size() == tets_.size() * kLanes);
-  for (std::size_t n = 0; n < lane_.size(); ++n)
-    if (lane_[n] != kNone)
-      tets_[n / kLanes].limit.v[n % kLanes] =
-          static_cast<Real>(std::fmin(most / rate_[lane_[n]], double(std::numeric_limits<Real>::max())));
+  share_ = share;
+  carried_ = kCarried * rest_stiffness(v.material) / (fastest_ * double(h) * double(h));
 }
 
 void SoftBatches::current_position(const SoftView& v) {
@@ -152,6 +148,7 @@ TetPass SoftBatches::pass(const SoftView& v, Real h) {
   p.mu = static_cast<Real>(share_ * v.material.mu), p.lame = static_cast<Real>(share_ * v.material.lame);
   p.shear = static_cast<Real>(share_ * v.material.shear), p.lambda = static_cast<Real>(share_ * v.material.lambda);
   p.gamma = static_cast<Real>(v.material.gamma);
+  p.carried = static_cast<Real>(carried_);
   return p;
 }
 

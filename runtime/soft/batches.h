@@ -18,7 +18,8 @@ class SoftBatches {
   // Bound of w^2 of all modes at rest of the whole body, 1/s^2, and of its stiffest tetrahedron alone (of those that
   // make up all but kSpared of the volume).
   double fastest() const { return fastest_; }
-  // Stress and damping act by a share, and pushes of h carry what they can.
+  // Stress and damping act by a share, and pushes of h carry what they can: up to kCarried of what the stiffest
+  // tetrahedron may have at rest.
   void set_step(const SoftView& v, Real h, double share);
   // Impulses of the stress over `time`; true when some of it was left to `solve_remainder`.
   bool push(const SoftView& v, Real time, StepContext& c);
@@ -49,8 +50,7 @@ class SoftBatches {
   mutable Array<std::uint32_t> marks_{&arena_};  // of validate(), by point
   Array<double> rate_{&arena_};                  // by tetrahedron: w^2 of it alone per stiffness, 1/(s^2 Pa)
   double fastest_ = 0, stiffest_ = 0;            // 1/s^2: of the body, and of a tetrahedron of it alone
-  Real step_ = 0;                                // s
-  double share_ = 1;
+  double share_ = 1, carried_ = 0;               // Pa: of the stiffest tetrahedron, by a push
   // stages of damping; empty where there is none
   Array<TetDamping> damping_{&arena_};
   Array<Row4> stage_{&arena_}, last_stage_{&arena_}, first_rate_{&arena_}, pushes_{&arena_};  // by point; m/s, and N s

@@ -1,8 +1,9 @@
 // Frequencies at rest, and damping of strain rate at velocities: M v' = -tau K v over a time with the stiffness K, so
 // that a mode of frequency w decays at tau w^2/2 (Kelvin-Voigt). Modes of a fine mesh spread over decades, so it acts
 // by stages of an explicit Runge-Kutta-Chebyshev method (integrate/damping_stages.h): all tetrahedra push at once in
-// each, so that momentum and angular momentum are kept. Weak spot: kMostStages bounds the time; longer ones act as
-// that.
+// each, so that momentum and angular momentum are kept. The stages reach to the response of the stiffest tetrahedron
+// alone, which bounds that of any deformed body where no tetrahedron's own exceeds it (kernel.h, damp_begin): beyond
+// their range stages grow without bound. Weak spot: kMostStages bounds the time; longer ones act as that.
 #include <algorithm>
 #include <cmath>
 
@@ -97,7 +98,7 @@ void SoftBatches::damp(const SoftView& v, Real time, StepContext& c) {
     damping_.resize(tets_.size());
     stage_.resize(total), last_stage_.resize(total), first_rate_.resize(total), pushes_.resize(total);
   }
-  const double z = std::sqrt(3.0) * share_ * fastest_ * double(v.damping) * double(time);
+  const double z = share_ * stiffest_ * double(v.damping) * double(time);
   const int count = DampingStages::needed(z, kMostStages);
   DampingStages stages(count);
   TetPass p = pass(v, time);

@@ -59,15 +59,15 @@ struct TetRows {
   return all_lanes(p.shear) * (f_squares / (f_squares + all_lanes(1)));
 }
 
-// Share of the stress that one push carries: the stiffness now, bounded from above, against `limit`. At rest that bound
-// is 3 lame + 2 mu; it grows with the squares of areas and where the volume is far from the rest volume.
+// Share of the stress that one push carries: the stiffness now, bounded from above, against `carried`. At rest that
+// bound is 3 lame + 2 mu; it grows with the squares of areas and where the volume is far from the rest volume.
 [[gnu::always_inline]] inline Lanes carried(const TetPass& p, const TetBatch& c, Lanes cofactor_squares, Lanes beyond,
                                             Lanes f_squares) {
   const Lanes zero = zero_lanes(), size = select(beyond < zero, zero - beyond, beyond);
   const Lanes stiffness = max(
       all_lanes(p.lambda) * (cofactor_squares + size * square_root(f_squares)) - all_lanes(p.mu * (0.5f + kRootThree)),
       all_lanes(2 * p.mu));
-  const Lanes limit = load(c.limit);
+  const Lanes limit = load(c.room) * all_lanes(p.carried);
   return select(stiffness > limit, limit / stiffness, all_lanes(1));
 }
 
@@ -127,18 +127,22 @@ void remainder(const TetPass& p) {
   }
 }
 
-// The deformation and the factor of the stages. The response of a tetrahedron is limited to sqrt(3) times that at rest.
+// The deformation and the factor of the stages. The response grows with the largest eigenvalue of A = F^T F, 1 at rest
+// and at most m + s sqrt(2) with m = tr A/3, s^2 = tr A^2/3 - m^2 (Wolkowicz and Styan 1980): it is limited to that of
+// the stiffest tetrahedron at rest.
 void damp_begin(const TetPass& p) {
   for (unsigned i = p.first; i < p.last; ++i) {
     const TetBatch& c = p.tets[i];
     const TetRows r = gather_tets(p, c);
     TetDamping& d = p.damping[i];
-    Lanes size = zero_lanes();  // |F^T F|^2
+    Lanes size = zero_lanes();  // tr A^2
     for (int k = 0; k < 3; ++k) {
       store(d.f[k], r.f[k]);
       for (int j = 0; j < 3; ++j) size += dot(r.f[k], r.f[j]) * dot(r.f[k], r.f[j]);
     }
-    const Lanes scale = min(all_lanes(1), all_lanes(kRootThree) / max(square_root(size), all_lanes(1e-30f)));
+    const Lanes third = all_lanes(1.0f / 3), mean = squares(r.f) * third;
+    const Lanes largest = mean + square_root(max(size * third - mean * mean, zero_lanes()) * all_lanes(2));
+    const Lanes scale = min(all_lanes(1), load(c.room) / max(largest, all_lanes(1e-30f)));
     store(d.factor, load(c.volume) * load(c.share) * scale * all_lanes(p.damping_time));
   }
 }

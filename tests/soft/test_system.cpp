@@ -241,6 +241,67 @@ TEST_CASE("two soft bodies and a rope are held to each other and to a body", "[s
   CHECK(number(a[1]) > 1.8);
 }
 
+// Damping that acts beyond the range of its stages feeds what it should take: seams hold tetrahedra in strain.
+TEST_CASE("two damped bodies that are stitched together fall down some stairs in one piece", "[soft]") {
+  const double damping = GENERATE(0.005, 0.02, 0.05);
+  CAPTURE(damping);
+  WorldDesc desc;
+  desc.substeps = 2;
+  World w(desc, catalog());
+  Rigid& rigid = w.need<Rigid>();
+  BodyDesc floor;
+  floor.type = BodyType::fixed;
+  floor.shape = make_plane(Vec3(0, 1, 0), 0);
+  rigid.add_body(floor);
+  const double tread = 0.26, rise = 0.16, start = 1.41;
+  for (int k = 0; k <= 6; ++k) {
+    const double high = (6 - std::max(k - 1, 0)) * rise;
+    BodyDesc stair;
+    stair.type = BodyType::fixed, stair.friction_static = stair.friction_dynamic = Real(0.6);
+    stair.shape = make_box(static_cast<Real>(k ? tread : 0.6), static_cast<Real>(high), Real(1.2));
+    stair.position = vec3(static_cast<Real>(k ? (k - 0.5) * tread : -0.3), static_cast<Real>(high / 2), 0);
+    rigid.add_body(stair);
+  }
+  Soft& soft = w.need<Soft>();
+  SoftDesc d;
+  d.young = Real(3e4), d.density = 250, d.damping = static_cast<Real>(damping), d.friction = Real(0.6);
+  d.self_collision = false, d.velocity = Vec3(2, 0, 0), d.resolution = 6;
+  d.shape = make_capsule(Real(0.09), Real(0.32)), d.group = 4, d.mask = 1;
+  d.pose.position = vec3(Real(-0.2), static_cast<Real>(start), 0);
+  const ObjectId torso = soft.add_soft(d);
+  d.shape = make_capsule(Real(0.045), Real(0.26)), d.group = 8;
+  d.pose.position = vec3(Real(-0.01), static_cast<Real>(start + 0.08), 0);
+  d.pose.rotation = from_axis_angle(Vec3(0, 0, 1), Real(kPi / 2));
+  const ObjectId arm = soft.add_soft(d);
+  // where points of both are nearest
+  struct Pair {
+    Real far;
+    std::size_t i, j;
+  };
+  std::vector<Pair> pairs, seams;
+  for (std::size_t i = 0; i < soft.point_count(arm); ++i)
+    for (std::size_t j = 0; j < soft.point_count(torso); ++j)
+      pairs.push_back({length(Vec3(soft.point(arm, i) - soft.point(torso, j))), i, j});
+  std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.far < b.far; });
+  for (const Pair& p : pairs) {
+    if (std::any_of(seams.begin(), seams.end(), [&](const Pair& q) { return q.i == p.i || q.j == p.j; })) continue;
+    soft.set_point(arm, p.i, soft.point(torso, p.j)), soft.attach_point(arm, p.i, torso, p.j);
+    seams.push_back(p);
+    if (seams.size() == 4) break;
+  }
+  double widest = 0, fastest = 0, mass = 0;
+  for (const ObjectId id : {torso, arm})
+    for (std::size_t i = 0; i < soft.point_count(id); ++i) mass += number(soft.point_mass(id, i));
+  for (int k = 0; k < 240; ++k) {
+    w.step();
+    for (const Pair& p : seams)
+      widest = std::max(widest, number(length(Vec3(soft.point(arm, p.i) - soft.point(torso, p.j)))));
+    fastest = std::max(fastest, std::sqrt(2 * w.energy().kinetic / mass));
+  }
+  CHECK(widest < 0.02);
+  CHECK(fastest < std::sqrt(2 * 9.81 * (start + 0.1) + 4));  // what the fall gives
+}
+
 TEST_CASE("drag that is strong for its points slows a swinging ball and feeds no swing", "[soft]") {
   WorldDesc space;
   space.gravity = Vec3(0, 0, 0), space.substeps = 1;
