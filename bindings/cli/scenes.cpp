@@ -6,6 +6,7 @@
 #include "cli/scene_files.h"
 #include "cli/session.h"
 #include "cli/stop.h"
+#include "feder/sdf.h"
 #include "report/table.h"
 
 namespace feder::cli {
@@ -64,12 +65,26 @@ class Scenes final : public Command {
     return near.starts_with("..") ? whole.string() : near;
   }
 
+  // For a look at what a scene has, a distance field may be coarse, unless it cannot.
+  static ShapePtr make_sketch(const SdfDesc& whole) {
+    if (!whole.values.empty()) return make_sdf(whole);
+    SdfDesc sketch = whole;
+    sketch.spacing *= 4;
+    try {
+      return make_sdf(sketch);
+    } catch (const SceneError&) {
+      return make_sdf(whole);
+    }
+  }
+
   // Built, not run.
   static Example open(const std::string& file, const Options& options) {
     Example e;
     e.file = file;
     try {
-      Session session(silent_host_options(options), nullptr, file);
+      lua::HostOptions host = silent_host_options(options);
+      host.make_field = make_sketch;
+      Session session(std::move(host), nullptr, file);
       e.title = session.title();
       if (session.world()) e.systems = own_systems(*session.world());
     } catch (const Failure& failure) {

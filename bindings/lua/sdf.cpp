@@ -113,6 +113,11 @@ constexpr Option<SdfReading> kSdf[] = {
     {{.name = "acquire", .choices = "exact, rasterise, rays"}, "string", read_acquire},
 };
 
+ShapePtr make_field(lua_State* L, const SdfDesc& desc) {
+  const MakeSdf& host = state(L).options.make_field;
+  return host ? host(desc) : make_sdf(desc);
+}
+
 // The call with the budget: the reading as a light userdata, then the function. Returns the shape.
 int make_from_function(lua_State* L) {
   auto& r = *static_cast<SdfReading*>(lua_touserdata(L, 1));
@@ -135,7 +140,7 @@ int make_from_function(lua_State* L) {
     lua_pop(L, 1);
     return d;
   };
-  ShapePtr made = make_sdf(r.desc);
+  ShapePtr made = make_field(L, r.desc);
   r.desc.function = {};
   push_userdata(L, Class::shape, std::move(made));
   return 1;
@@ -214,8 +219,7 @@ int feder_sdf(lua_State* L) {
   }
   ShapePtr made;
   State& s = state(L);
-  const bool keeps = s.options.make_field && !r.triangles.empty();
-  s.outside_lua([&] { made = keeps ? s.options.make_field(r.desc) : make_sdf(r.desc); });
+  s.outside_lua([&] { made = make_field(L, r.desc); });
   push_userdata(L, Class::shape, std::move(made));
   return 1;
 }

@@ -248,8 +248,29 @@ TEST_CASE("cloth and fluid meet a field as they meet what it holds", "[lua][heav
     local m1, f1 = dam(ball)
     local m2, f2 = dam(field)
     print(m2 / m1 - 1, f2 / f1 - 1)
+  )",
+                      {}, kWorld);
+  CHECK(ran.error == "");
+  CAPTURE(ran.output);
+  std::istringstream numbers(ran.output);
+  double drape = 1, folded = 1, mean = 1, front = 1;
+  numbers >> drape >> folded >> mean >> front;
+  CHECK(drape < 0.005);
+  CHECK(folded < 0.005);
+  CHECK(std::abs(mean) < 0.02);
+  CHECK(std::abs(front) < 0.02);
+}
 
-    local function wet(shape)  -- both at once, 12 throws, whose means are known to a millimetre and a half
+TEST_CASE("wet cloth on a field lies as on what the field holds", "[lua][late]") {
+  const Ran ran = run(R"(
+    local ball = feder.sphere(0.4)
+    local field = feder.sdf{ shape = ball, spacing = 0.02 }
+    local function height(b)
+      local s = 0
+      for i = 2, #b, 3 do s = s + b[i] * 3 / #b end
+      return s
+    end
+    local function wet(shape)  -- 12 throws, whose means are known to a millimetre and a half
       local cloth, fluid = 0, 0
       for k = 1, 12 do
         local w = feder.world{}
@@ -258,7 +279,7 @@ TEST_CASE("cloth and fluid meet a field as they meet what it holds", "[lua][heav
         local f = w:fluid{ spacing = 0.08 }
         f:fill{ box = { { -0.2, 0.7, -0.2 }, { 0.2, 1, 0.2 } } }
         w:step(90)
-        cloth, fluid = cloth + mean(c:positions(), 2) / 12, fluid + mean(f:positions(), 2) / 12
+        cloth, fluid = cloth + height(c:positions()) / 12, fluid + height(f:positions()) / 12
       end
       return cloth, fluid
     end
@@ -270,12 +291,8 @@ TEST_CASE("cloth and fluid meet a field as they meet what it holds", "[lua][heav
   CHECK(ran.error == "");
   CAPTURE(ran.output);
   std::istringstream numbers(ran.output);
-  double drape = 1, folded = 1, mean = 1, front = 1, cloth = 1, water = 1;
-  numbers >> drape >> folded >> mean >> front >> cloth >> water;
-  CHECK(drape < 0.005);
-  CHECK(folded < 0.005);
-  CHECK(std::abs(mean) < 0.02);
-  CHECK(std::abs(front) < 0.02);
+  double cloth = 1, water = 1;
+  numbers >> cloth >> water;
   CHECK(cloth < 0.01);  // an eighth of a spacing of the fluid
   CHECK(std::abs(water) < 0.02);
 }

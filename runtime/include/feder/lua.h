@@ -96,7 +96,7 @@ struct HostOptions {
   // While true, scripts end as by Script::interrupt. For hosts that stop several scripts, or from a signal handler.
   const std::atomic<bool>* stop = nullptr;
   Executor executor = {};  // its threads help the worlds; without `call` each world makes its own workers
-  // Makes the distance fields of triangles: make_sdf when empty. A host may keep them from run to run.
+  // Makes the distance fields of scripts: make_sdf when empty. A host may keep them from run to run.
   MakeSdf make_field = {};
   // Called with each world as it is made, before anything is in it: to record it.
   std::function<void(World&)> made = {};
