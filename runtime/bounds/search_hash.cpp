@@ -20,15 +20,22 @@ class HashSearch final : public BoxSearch {
   void between(std::span<const Aabb> a, std::span<const Aabb> b, Array<BoxPair>& out) override {
     out.clear();
     enter(b, a);
-    for (std::uint32_t i = 0; i < a.size(); ++i) find(a[i], b, [&](std::uint32_t j) { out.push_back({i, j}); });
+    for (std::uint32_t i = 0; i < a.size(); ++i) {
+      const auto begin = static_cast<std::ptrdiff_t>(out.size());
+      find(a[i], b, [&](std::uint32_t j) { out.push_back({i, j}); });
+      std::sort(out.begin() + begin, out.end());
+    }
   }
   void within(std::span<const Aabb> boxes, Array<BoxPair>& out) override {
     out.clear();
     enter(boxes, {});
-    for (std::uint32_t i = 0; i < boxes.size(); ++i)
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+      const auto begin = static_cast<std::ptrdiff_t>(out.size());
       find(boxes[i], boxes, [&](std::uint32_t j) {
         if (i < j) out.push_back({i, j});
       });
+      std::sort(out.begin() + begin, out.end());
+    }
   }
 
  private:
