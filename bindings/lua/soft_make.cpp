@@ -1,5 +1,6 @@
 // world:soft{ ... }: tetrahedra, or a shape to be filled with them; material, pins, and what it does with others.
 
+#include "bounds/box_search.h"
 #include "lua/buffer.h"
 #include "lua/shapes.h"
 #include "lua/soft_part.h"
@@ -74,6 +75,10 @@ void read_soft_solver(Options& o, const OptionRow&, SoftReading& desc) {
 
 std::string show_soft_solver(const SoftReading& desc) { return print_value(desc.solver); }
 
+void read_soft_self(Options& o, const OptionRow&, SoftReading& desc) {
+  if (o.text("self", desc.self)) find_variant(box_searches(), desc.self, "search of self-contact");
+}
+
 void read_elasticity(Options& o, const OptionRow&, SoftReading& desc) {
   if (o.text("elasticity", desc.elasticity)) find_variant(elastic_laws(), desc.elasticity, "law of elasticity");
 }
@@ -97,6 +102,7 @@ constexpr Option<SoftReading> kSoft[] = {
     field<&SoftDesc::thickness>("thickness", "m", kPositive).unset(),
     field<&SoftDesc::friction>("friction", "", kNotNegative),
     field<&SoftDesc::self_collision>("self_collision"),
+    {{.name = "self"}, "string", read_soft_self, nullptr, nullptr, names_of<box_searches>},
     field<&SoftDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     field<&SoftDesc::group>("group", "", kBits),
     field<&SoftDesc::mask>("mask", "", kBits),

@@ -35,6 +35,18 @@ std::array<std::size_t, 4> soft_tetrahedron(const SoftObject& s, lua_State* L) {
   return {std::size_t(t[0]) + 1, std::size_t(t[1]) + 1, std::size_t(t[2]) + 1, std::size_t(t[3]) + 1};
 }
 
+// The tetrahedron at a place, and the weights of its points there; or nil.
+int soft_tetrahedron_at(lua_State* L) {
+  const SoftObject s(L);
+  const Vec3 p = vector_argument(L, 2, false);
+  std::array<double, 4> weights{};
+  const std::size_t k = s.system.tetrahedron_at(s.id, p, weights);
+  if (k == Soft::kNoTetrahedron) return push(L, nullptr);
+  lua_pushinteger(L, static_cast<lua_Integer>(k) + 1);
+  for (const double w : weights) lua_pushnumber(L, w);
+  return 5;
+}
+
 bool soft_awake(const SoftObject& s) { return !s.system.asleep(s.id); }
 void soft_wake(const SoftObject& s) { s.system.wake(s.id); }
 
@@ -43,6 +55,8 @@ const Method kSoftMethods[] = {
     {"point", method<&Soft::point>, "soft:point(i) -> x, y, z", "m"},
     {"rest_point", method<&Soft::rest_point>, "soft:rest_point(i) -> x, y, z", "where it lies unstrained, local, m"},
     {"tetrahedron", method<soft_tetrahedron>, "soft:tetrahedron(k) -> i, j, k, l", "its four points"},
+    {"tetrahedron_at", guard<soft_tetrahedron_at>, "soft:tetrahedron_at(x, y, z) -> k, a, b, c, d",
+     "the tetrahedron at a place in the world, and the barycentric weights of its points there; nil outside"},
     {"set_point", method<&Soft::set_point>, "soft:set_point(i, x, y, z) -> self", "puts a point there at once"},
     {"velocity", method<&Soft::velocity>, "soft:velocity(i) -> x, y, z", "m/s"},
     {"set_velocity", method<&Soft::set_velocity>, "soft:set_velocity(i, x, y, z) -> self", "m/s"},

@@ -1,7 +1,8 @@
 // Searches for overlapping boxes of two lists: candidate pairs of features that may meet. One file per search, one
 // feder_variant(bounds <search> TABLE searches) line. Contract, checked for every search by
-// tests/bounds/test_box_search.cpp: each overlapping pair (closed boxes) once, no other; equal boxes give equal pairs
-// in equal order, whatever was asked before. Allocates only when boxes or pairs outnumber every earlier call.
+// tests/bounds/test_box_search.cpp: each overlapping pair (closed boxes) once, no other, ascending: all searches give
+// the same pairs in the same order, whatever was asked before. Allocates only when boxes or pairs outnumber every
+// earlier call.
 #pragma once
 #include <memory>
 #include <span>

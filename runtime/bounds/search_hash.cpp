@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bounds/box_query.h"
 #include "bounds/box_search.h"
 
 namespace feder {
@@ -15,20 +16,27 @@ constexpr double kFarCell = 1e9;  // cells from the origin, beyond which a box i
 
 class HashSearch final : public BoxSearch {
  public:
-  explicit HashSearch(Arena& arena) : first_(&arena), item_(&arena), large_(&arena), entry_(&arena) {}
+  explicit HashSearch(Arena& arena) : first_(&arena), item_(&arena), box_(&arena), large_(&arena), entry_(&arena) {}
 
   void between(std::span<const Aabb> a, std::span<const Aabb> b, Array<BoxPair>& out) override {
     out.clear();
     enter(b, a);
-    for (std::uint32_t i = 0; i < a.size(); ++i) find(a[i], b, [&](std::uint32_t j) { out.push_back({i, j}); });
+    for (std::uint32_t i = 0; i < a.size(); ++i) {
+      const auto begin = static_cast<std::ptrdiff_t>(out.size());
+      find(a[i], b, [&](std::uint32_t j) { out.push_back({i, j}); });
+      std::sort(out.begin() + begin, out.end());
+    }
   }
   void within(std::span<const Aabb> boxes, Array<BoxPair>& out) override {
     out.clear();
     enter(boxes, {});
-    for (std::uint32_t i = 0; i < boxes.size(); ++i)
+    for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+      const auto begin = static_cast<std::ptrdiff_t>(out.size());
       find(boxes[i], boxes, [&](std::uint32_t j) {
         if (i < j) out.push_back({i, j});
       });
+      std::sort(out.begin() + begin, out.end());
+    }
   }
 
  private:
@@ -91,8 +99,11 @@ class HashSearch final : public BoxSearch {
       });
     }
     for (std::uint32_t k = 0; k < slots; ++k) first_[k + 1] += first_[k];
-    item_.resize(entry_.size());
-    for (const Entry& e : entry_) item_[first_[e.slot]++] = e.item;  // first_ now says where slots end
+    item_.resize(entry_.size()), box_.resize(entry_.size());
+    for (const Entry& e : entry_) {
+      const std::uint32_t at = first_[e.slot]++;  // first_ then says where slots end
+      item_[at] = e.item, box_[at] = boxes[e.item];
+    }
   }
 
   template <class F>
@@ -106,14 +117,15 @@ class HashSearch final : public BoxSearch {
         if (overlaps(box, boxes[j]) && cells_of(boxes[j]).few) f(j);
       return;
     }
+    const BoxQuery wanted(box);
     each_cell(c, [&](std::int64_t x, std::int64_t y, std::int64_t z) {
       const std::uint32_t slot = slot_of(x, y, z), from = slot > 0 ? first_[slot - 1] : 0;
       std::uint32_t last = kNone;  // a box may be in a slot more than once, by cells with the same hash
       for (std::uint32_t k = from; k < first_[slot]; ++k) {
         const std::uint32_t j = item_[k];
-        if (j == last || !overlaps(box, boxes[j])) continue;
+        if (!wanted.meets(box_[k]) || j == last) continue;
         last = j;
-        const Vec3 low = box.lo.cwiseMax(boxes[j].lo);
+        const Vec3 low = box.lo.cwiseMax(box_[k].lo);
         if (cell_of(low[0]) == x && cell_of(low[1]) == y && cell_of(low[2]) == z) f(j);
       }
     });
@@ -122,6 +134,7 @@ class HashSearch final : public BoxSearch {
   double width_ = 1;  // m
   std::uint32_t mask_ = 0;
   Array<std::uint32_t> first_, item_;  // boxes of slot k: item_[first_[k - 1]] to item_[first_[k] - 1], ascending
+  Array<Aabb> box_;                    // theirs
   Array<std::uint32_t> large_;
   Array<Entry> entry_;
 };

@@ -2,11 +2,11 @@
 // constants; and work arrays. Private to the module and to couplings.
 #pragma once
 #include "base/jobs.h"
+#include "bounds/cell_grid.h"
 #include "feder/fluid.h"
 #include "feder/plan.h"
 #include "fluid/boundary.h"
 #include "fluid/images.h"
-#include "neighbors/cell_grid.h"
 #include "neighbors/neighbor_search.h"
 #include "sph/boundary_table.h"
 #include "sph/kernel.h"

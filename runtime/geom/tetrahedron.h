@@ -41,6 +41,25 @@ inline std::array<double, 4> barycentric(const Corners& x, const Double3& p) {
 // Corner numbers of the four faces, the i-th across corner i, counter-clockwise seen from outside.
 inline constexpr int kTetrahedronFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
 
+// Whether p lies within, faces included: by its weights, and by its side of the four planes. The two agree but for what
+// lies within 1e-7 of the longest edge of a plane (tests/geom/test_tetrahedron.cpp). Nothing lies within a tetrahedron
+// without volume; one that is turned inside out holds what it held.
+inline bool within_by_weights(const Corners& x, const Double3& p) {
+  for (const double w : barycentric(x, p))
+    if (!(w >= 0 && w <= 1)) return false;
+  return true;
+}
+inline bool within_by_faces(const Corners& x, const Double3& p) {
+  const double volume = tetrahedron_volume(x);
+  if (!(volume != 0)) return false;
+  for (const auto& f : kTetrahedronFaces) {
+    const Double3 &a = x[std::size_t(f[0])], &b = x[std::size_t(f[1])], &c = x[std::size_t(f[2])];
+    const double out = dot(cross(b - a, c - a), p - a);
+    if (!(volume > 0 ? out <= 0 : out >= 0)) return false;
+  }
+  return true;
+}
+
 // Smallest angle between two faces, rad.
 double smallest_dihedral(const Corners& x);
 

@@ -3,16 +3,14 @@
 // Deformable Objects", VMV 2003.
 // Kept between calls: work arrays. Weak spot: buckets are scattered over memory, slower than the grid where points are
 // dense; no advantage but for points in several clouds far apart.
-#include <cmath>
-
-#include "base/cast.h"
-#include "neighbors/counting_sort.h"
+#include "bounds/cells.h"
+#include "bounds/counting_sort.h"
 #include "neighbors/rows.h"
 
 namespace feder {
 namespace {
 
-using Cell = std::int64_t;
+using Cell = CellNumber;
 
 class SpatialHash final : public NeighborSearch {
  public:
@@ -24,7 +22,8 @@ class SpatialHash final : public NeighborSearch {
     while (buckets_ < 2 * std::size_t(count)) buckets_ *= 2;
     cells_.resize(3 * std::size_t(count));
     for (std::uint32_t i = 0; i < count; ++i)
-      for (std::size_t k = 0; k < 3; ++k) cells_[3 * std::size_t(i) + k] = cell(p[4 * std::size_t(i) + k], inv);
+      for (std::size_t k = 0; k < 3; ++k)
+        cells_[3 * std::size_t(i) + k] = cell_number(static_cast<double>(p[4 * std::size_t(i) + k]), inv);
     const auto key = [&](std::uint32_t i) { return bucket(&cells_[3 * std::size_t(i)]); };
     counting_sort(count, buckets_, key, start_, order_);
 
@@ -48,15 +47,8 @@ class SpatialHash final : public NeighborSearch {
   }
 
  private:
-  static Cell cell(Real x, double inv) {
-    constexpr Cell kRim = 1000000000000000;
-    return clamped_cast<Cell>(std::floor(static_cast<double>(x) * inv), -kRim, kRim);
-  }
   std::size_t bucket(const Cell* c) const {
-    const std::uint64_t h = static_cast<std::uint64_t>(c[0]) * 0x9e3779b97f4a7c15ull ^
-                            static_cast<std::uint64_t>(c[1]) * 0xc2b2ae3d27d4eb4full ^
-                            static_cast<std::uint64_t>(c[2]) * 0x165667b19e3779f9ull;
-    return static_cast<std::size_t>(h ^ h >> 32) & (buckets_ - 1);
+    return static_cast<std::size_t>(cell_hash(c[0], c[1], c[2])) & (buckets_ - 1);
   }
 
   std::size_t buckets_ = 64;

@@ -2,7 +2,7 @@
 // consecutive points (three in 2D). Points that come in the order of their cells need no copy and no sorting of rows,
 // and those of a cell share its candidates, which are set out as columns once. Source: Green, "Particle Simulation
 // using CUDA" (2008), counting sort by cell. Kept between calls: work arrays. Weak spot: radii that differ by particle.
-#include "neighbors/cell_grid.h"
+#include "bounds/cell_grid.h"
 #include "neighbors/near_run.h"
 #include "neighbors/rows.h"
 

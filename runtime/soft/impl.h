@@ -59,6 +59,8 @@ struct SoftBody {
   Array<Real> mass{&arena}, inv_mass{&arena};      // kg; 1/kg, 0: pinned
   // Acceleration by contacts in the last solver substep, and what it and the one before have in common, m/s^2.
   Array<Vec3> contact{&arena}, steady_contact{&arena};
+  std::string search_name;                     // of self-contact, in box_searches(); empty: none of its own
+  const Variant<BoxSearch>* search = nullptr;  // follows from it
   std::string solver_name;
   Params solver_options;
   std::unique_ptr<SoftSolver> solver;
@@ -85,8 +87,11 @@ struct SoftBody {
   void set_flight(const Vec3& a) {
     for (int k = 0; k < 3; ++k) state.flight[k] = a[k];
   }
-  void derive();                                      // all that follows
-  void derive_mass();                                 // what follows from pins
+  void derive();       // all that follows
+  void derive_mass();  // what follows from pins
+  void find_search() {
+    search = search_name.empty() ? nullptr : &find_variant(box_searches(), search_name, "search of self-contact");
+  }
   double elastic_energy(const Array<Vec3>& x) const;  // J, above that at rest, with its points there
   double kinetic_energy() const;                      // J
   // Calls f(member) for what snapshots hold beside mesh and solver.

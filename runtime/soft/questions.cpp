@@ -95,6 +95,18 @@ void Soft::positions(ObjectId id, std::vector<Vec3>& out) const {
   out.assign(b.position.begin(), b.position.end());
 }
 
+std::size_t Soft::tetrahedron_at(ObjectId id, const Vec3& p, std::array<double, 4>& weights) const {
+  const SoftBody& b = impl_->body(id);
+  for (std::size_t k = 0; k < b.mesh.tetrahedra.size(); ++k) {
+    Aabb box;
+    for (const std::uint32_t i : b.mesh.tetrahedra[k]) box.include(b.position[i]);
+    if (!overlaps(box, {p, p}) || !within_by_weights(b.corners(k), wide(p))) continue;
+    weights = barycentric(b.corners(k), wide(p));
+    return k;
+  }
+  return kNoTetrahedron;
+}
+
 int Soft::substeps(ObjectId id) const { return impl_->body(id).state.substeps; }
 bool Soft::asleep(ObjectId id) const { return impl_->body(id).state.asleep != 0; }
 bool Soft::quarantined(ObjectId id) const { return impl_->body(id).state.frozen != 0; }

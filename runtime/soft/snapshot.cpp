@@ -29,6 +29,7 @@ void Soft::save(Writer& w) const {
   for (const auto& b : impl_->bodies) {
     SoftBody::each_saved(std::as_const(*b), saved_to(w));
     SoftMesh::each_saved(std::as_const(b->mesh), saved_to(w));
+    w.text(b->search_name);
     w.text(b->solver_name);
     b->solver_options.save(w);
     w.text(b->law->name);
@@ -46,6 +47,8 @@ void Soft::load(Reader& r) {
     auto b = std::make_unique<SoftBody>(m.arena);
     SoftBody::each_saved(*b, loaded_from(r));
     SoftMesh::each_saved(b->mesh, loaded_from(r));
+    r.text(b->search_name);
+    b->find_search();
     std::string name;
     r.text(name);
     Params options;

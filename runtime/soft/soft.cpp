@@ -141,6 +141,8 @@ ObjectId Soft::add_soft(const SoftDesc& desc) {
     need_soft(i < n, owner, "pins", ("point numbers from 1 to " + std::to_string(n)).c_str(), double(i) + 1);
     b->inv_mass[i] = 0, b->velocity[i] = Vec3::Zero();
   }
+  b->search_name = desc.self;
+  b->find_search();
   m.attach_solver(*b, desc.solver, desc.solver_options, desc.elasticity, owner);
   b->derive();
 

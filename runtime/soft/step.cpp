@@ -99,7 +99,7 @@ void Soft::Impl::show(StepContext& c) {
     s.thickness = b.settings.thickness, s.friction = b.settings.friction, s.wakes = kSoftCause;
     s.group = b.settings.group, s.mask = b.settings.mask;
     s.solid = true;
-    s.self = b.settings.self_collision != 0, s.active = b.active();
+    s.self = b.settings.self_collision != 0, s.active = b.active(), s.search = b.search;
     s.sleep_candidate = b.state.sleep_steps != 0, s.pinned = b.any_pin;
     Real fastest = 0;
     for (std::uint32_t i = 0; i < b.size(); ++i) {

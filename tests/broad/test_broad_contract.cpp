@@ -1,5 +1,7 @@
 // Every registered broad phase against the all-pairs oracle of this file. A new variant is enrolled by its line alone.
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <vector>
 
 #include "base/rng.h"
@@ -35,6 +37,7 @@ std::uint32_t below(Rng& rng, std::uint32_t n) { return static_cast<std::uint32_
 Aabb random_box(Rng& rng, const char* layout) {
   const std::string_view kind = layout;
   Vec3 center, half;
+  const Real size = static_cast<Real>(5 * std::pow(10.0, kind == "ratio" ? -9 * rng.unit() * rng.unit() : 0));
   for (int k = 0; k < 3; ++k) {
     center[k] = uniform(rng, -10, 10), half[k] = uniform(rng, 0.1, 1);
     if (kind == "clustered") center[k] = uniform(rng, -1, 1) * uniform(rng, 0, 1) * uniform(rng, 0, 3);
@@ -42,6 +45,7 @@ Aabb random_box(Rng& rng, const char* layout) {
     if (kind == "mixed") half[k] = below(rng, 8) == 0 ? uniform(rng, 5, 50) : uniform(rng, 1e-6, 1e-3);
     if (kind == "flat") half[k] = k == 1 ? 0 : half[k], center[k] = k == 1 ? Real(below(rng, 3)) : center[k];
     if (kind == "identical") center[k] = 1, half[k] = 2;
+    if (kind == "ratio") half[k] = size;
     if (kind == "far") center[k] = center[k] / 2 + Real(1e6);
   }
   Aabb box{center - half, center + half};
@@ -49,6 +53,12 @@ Aabb random_box(Rng& rng, const char* layout) {
     const int k = static_cast<int>(below(rng, 3));
     box = Aabb::everything();
     if (below(rng, 2)) box.hi[k] = uniform(rng, -5, 5);
+  }
+  if (kind == "broken" && below(rng, 5) == 0) {
+    box = Aabb();
+    const Real nan = std::numeric_limits<Real>::quiet_NaN();
+    if (below(rng, 2)) box = {center - half, Vec3(center[0], nan, center[2])};
+    if (below(rng, 3) == 0) box = {Vec3::Constant(nan), Vec3::Constant(nan)};
   }
   return box;
 }
@@ -108,14 +118,15 @@ struct Fixture {
 std::vector<IndexPair> list(const Array<IndexPair>& a) { return {a.begin(), a.end()}; }
 std::vector<std::uint32_t> list(const Array<std::uint32_t>& a) { return {a.begin(), a.end()}; }
 
-const char* const kLayouts[] = {"spread", "clustered", "grid", "mixed", "flat", "identical", "far", "unbounded"};
+const char* const kLayouts[] = {"spread",    "clustered", "grid",      "mixed", "flat",
+                                "identical", "far",       "unbounded", "ratio", "broken"};
 
 }  // namespace
 
 TEST_CASE("broad phase finds exactly the overlapping pairs, sorted", "[broad][contract]") {
   const int index = GENERATE(range(0, static_cast<int>(broad_phases().size())));
   const std::uint32_t count = GENERATE(0u, 1u, 2u, 257u);
-  const char* layout = kLayouts[GENERATE(range(0, 8))];
+  const char* layout = kLayouts[GENERATE(range(0, 10))];
   const auto& variant = broad_phases()[static_cast<std::size_t>(index)];
   CAPTURE(variant.name, count, layout);
   Fixture f;
@@ -129,7 +140,7 @@ TEST_CASE("broad phase finds exactly the overlapping pairs, sorted", "[broad][co
 
 TEST_CASE("broad phase stays exact over a long history", "[broad][contract]") {
   const int index = GENERATE(range(0, static_cast<int>(broad_phases().size())));
-  const char* layout = kLayouts[GENERATE(range(0, 8))];
+  const char* layout = kLayouts[GENERATE(range(0, 10))];
   const double drift = GENERATE(0.0, 0.02, 2.0);
   const auto& variant = broad_phases()[static_cast<std::size_t>(index)];
   CAPTURE(variant.name, layout, drift);
@@ -188,7 +199,7 @@ TEST_CASE("broad phase stays exact where all boxes move, on several threads", "[
 
 TEST_CASE("broad phase queries equal a linear scan", "[broad][contract]") {
   const int index = GENERATE(range(0, static_cast<int>(broad_phases().size())));
-  const char* layout = kLayouts[GENERATE(range(0, 8))];
+  const char* layout = kLayouts[GENERATE(range(0, 10))];
   const auto& variant = broad_phases()[static_cast<std::size_t>(index)];
   CAPTURE(variant.name, layout);
   Fixture f;
@@ -213,6 +224,9 @@ TEST_CASE("broad phase queries equal a linear scan", "[broad][contract]") {
     broad->query(box, f.found);
     REQUIRE(list(f.found) == in_box);
     broad->query_ray(origin, ray, f.found);
+    // what is not a number may be reported or not
+    const auto broken = [&](std::uint32_t i) { return !(s.boxes[i].lo[1] <= s.boxes[i].hi[1]); };
+    std::erase_if(on_ray, broken), std::erase_if(f.found, broken);
     REQUIRE(list(f.found) == on_ray);
     hits += in_box.size() + on_ray.size();
     disturb(rng, layout, s, 0.1);

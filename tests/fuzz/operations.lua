@@ -197,7 +197,7 @@ if softs then
     function() local n = points() n:attach(whole(1, n:count()), points()) end,
     function() local b = pick(o.soft) b:apply_impulse(whole(1, b:count()), vector(9)) end,
     function() local b = pick(o.soft) if chance(0.5) then b:sleep() else b:wake() end end,
-    function() local b = pick(o.soft) b:volume() b:inverted() b:strain() b:positions() b:awake() b:mass() end,
+    function() local b = pick(o.soft) b:volume() b:inverted() b:strain() b:positions() b:awake() b:mass() b:tetrahedron_at(vector(2)) end,
   } do operations[#operations + 1] = operation end
 end
 for _, name in ipairs(names) do

@@ -20,6 +20,36 @@ TEST_CASE("a soft body answers what it is", "[lua][soft]") {
          "16.0\t0\n135\ttrue\ttrue\ttrue\ttrue\ntrue\ttrue\ttrue\nfalse\n");
 }
 
+TEST_CASE("a soft body says which of its tetrahedra is at a place, and where in it", "[lua][soft]") {
+  CHECK(output_of(R"(
+    local jelly = world:soft{ shape = feder.box(0.2, 0.2, 0.4), resolution = 4, position = {0, 3, 0},
+      rotation = { axis = {0, 1, 0}, angle = 0.5 } }
+    local k, a, b, c, d = jelly:tetrahedron_at(0.03, 3.02, 0.01)
+    local x, y, z = 0, 0, 0
+    for n, w in ipairs{a, b, c, d} do
+      local i = select(n, jelly:tetrahedron(k))
+      local px, py, pz = jelly:point(i)
+      x, y, z = x + w * px, y + w * py, z + w * pz
+    end
+    print(string.format("%.4f %.4f %.4f %.4f", x, y, z, a + b + c + d), math.min(a, b, c, d) >= 0)
+    print(jelly:tetrahedron_at(0.3, 3, 0), jelly:tetrahedron_at({0, 4, 0}))
+  )") == "0.0300 3.0200 0.0100 1.0000\ttrue\nnil\tnil\n");
+}
+
+TEST_CASE("what finds contacts of a soft body with itself is named", "[lua][soft]") {
+  CHECK(output_of(R"(
+    for _, self in ipairs(feder.choices("soft.self")) do
+      local jelly = world:soft{ shape = feder.box(0.2, 0.2, 0.2), resolution = 2, position = {0, 3, 0}, self = self }
+      world:step(3)
+      print(self, jelly:strain() < 1e-5)
+      jelly:destroy()
+    end
+    print(pcall(function() world:soft{ shape = feder.box(1, 1, 1), self = "sphere_tre" } end))
+  )") == "swept_boxes\ttrue\nhash\ttrue\nsphere_tree\ttrue\n"
+         "false\ttest.lua:8: world:soft: unknown search of self-contact 'sphere_tre'; known: swept_boxes, hash, "
+         "sphere_tree\n");
+}
+
 TEST_CASE("a rope, a cloth, a net and a body hang from a soft body", "[lua][soft]") {
   CHECK(output_of(R"(
     local jelly = world:soft{ shape = feder.box(0.2, 0.2, 0.2), resolution = 2, position = {0, 3, 0}, young = 1e5 }

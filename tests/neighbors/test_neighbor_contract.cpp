@@ -6,8 +6,8 @@
 
 #include "base/jobs.h"
 #include "base/rng.h"
+#include "bounds/cell_grid.h"
 #include "feder/params.h"
-#include "neighbors/cell_grid.h"
 #include "neighbors/neighbor_search.h"
 #include "support/catch.h"
 

@@ -37,6 +37,8 @@ struct SoftDesc {
   Real thickness = 0;          // m, between two skins; half of it to bodies; 0: a tenth of the mean edge of the skin
   Real friction = Real(0.5);
   bool self_collision = true;
+  std::string self;  // search of its own for candidates of self-contact: "swept_boxes", "hash", "sphere_tree"; when
+                     // empty, they are found together with those of other surfaces
   Real gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;
   int substeps = 0;      // solver substeps per substep of the world; 0: chosen, so that the stiffness is resolved
@@ -51,7 +53,8 @@ struct SoftDesc {
   static void each_field(D& d, F&& f) {
     f(d.name), f(d.tags), f(d.points), f(d.tetrahedra), f(d.shape), f(d.resolution), f(d.pose), f(d.velocity);
     f(d.angular_velocity), f(d.density), f(d.young), f(d.poisson), f(d.damping), f(d.thickness), f(d.friction);
-    f(d.self_collision), f(d.gravity_scale), f(d.group), f(d.mask), f(d.substeps), f(d.max_substeps), f(d.solver);
+    f(d.self_collision), f(d.self), f(d.gravity_scale), f(d.group), f(d.mask), f(d.substeps), f(d.max_substeps),
+        f(d.solver);
     f(d.solver_options), f(d.elasticity), f(d.pins);
   }
 };
@@ -99,6 +102,9 @@ class Soft final : public System {
   Real strain(ObjectId soft, std::size_t k) const;
   Real max_strain(ObjectId soft) const;
   std::size_t inverted(ObjectId soft) const;  // tetrahedra that are turned inside out now
+  // The tetrahedron that p lies in now, the first one, and its barycentric weights there; or kNoTetrahedron.
+  std::size_t tetrahedron_at(ObjectId soft, const Vec3& p, std::array<double, 4>& weights) const;
+  static constexpr std::size_t kNoTetrahedron = std::size_t(-1);
   void positions(ObjectId soft, std::vector<Vec3>& out) const;
   void set_script_force(ObjectId soft, std::size_t i, const Vec3& force);  // N, until changed
   void clear_script_forces();

@@ -1,13 +1,13 @@
 // Points into cells by a counting sort (Green, "Particle Simulation using CUDA", 2008). Kept between calls: work
 // arrays. Weak spot: points far apart from the rest share the cells at the rim, and one crowded cell is searched as a
 // whole.
-#include "neighbors/cell_grid.h"
+#include "bounds/cell_grid.h"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "neighbors/counting_sort.h"
+#include "bounds/counting_sort.h"
 
 namespace feder {
 
@@ -41,7 +41,7 @@ void CellGrid::choose(std::span<const Real> p, Real cell, JobPool& jobs) {
       hi[k] = &b == blocks_.data() ? most : std::max(hi[k], most);
     }
   inv_cell_ = 1 / cell;
-  const double most = 8.0 * static_cast<double>(count) + 4096;
+  const auto most = static_cast<double>(most_cells(count));
   double want[3];
   for (int k = 0; k < 3; ++k) {
     want[k] = std::floor((hi[k] - lo[k]) / static_cast<double>(cell)) + 1;

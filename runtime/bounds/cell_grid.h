@@ -18,6 +18,9 @@ class CellGrid {
   // identity. The same for any number of threads.
   bool sort(std::span<const Real> points4, Real cell, JobPool& jobs, Array<std::uint32_t>& order);
 
+  // So that sort() of so many points does not allocate, wherever they are.
+  void reserve(std::uint32_t count) { start_.reserve(most_cells(count) + 1), cell_.reserve(count); }
+
   int cells(int axis) const { return cells_[axis]; }
   int coordinate(int axis, Real x) const {
     const Real t = (x - origin_[axis]) * inv_cell_;
@@ -29,6 +32,7 @@ class CellGrid {
   std::uint32_t last(int x1, int y, int z) const { return start_[row(y, z) + static_cast<std::size_t>(x1) + 1]; }
 
  private:
+  static std::size_t most_cells(std::uint32_t count) { return 8 * std::size_t(count) + 4096; }
   std::size_t row(int y, int z) const {
     return (static_cast<std::size_t>(z) * static_cast<std::size_t>(cells_[1]) + static_cast<std::size_t>(y)) *
            static_cast<std::size_t>(cells_[0]);

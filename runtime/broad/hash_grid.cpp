@@ -1,0 +1,143 @@
+// Grids of cells of 2^n m in one hash table: a box lies in one cell, that of its middle, of the grid whose cells are as
+// wide as it or up to twice that; it is looked for in each grid that is in use. Source: Ericson, "Real-Time Collision
+// Detection" (2005), 7.2.1; the hash of cells is that of the searches of particles (bounds/cells.h).
+// Kept between calls: memory. Weak spot: boxes of many different sizes, as each size is a grid to look into.
+#include "bounds/box_query.h"
+#include "bounds/cells.h"
+#include "bounds/counting_sort.h"
+#include "broad/ray_pieces.h"
+#include "broad/rebuilt.h"
+
+namespace feder {
+namespace {
+
+class HashGridIndex {
+ public:
+  explicit HashGridIndex(Arena& a) : entry_(&a), start_(&a), order_(&a), sorted_(&a), boxes_(&a), levels_(&a) {
+    levels_.reserve(64);  // rarely more: 2^64 lie between the smallest and the largest
+  }
+
+  void build(const Array<Aabb>& boxes, const Array<std::uint32_t>& listed, JobPool&) {
+    entry_.clear(), levels_.clear();
+    double farthest = 0;
+    for (const std::uint32_t i : listed)
+      farthest =
+          std::fmax(farthest, static_cast<double>(boxes[i].lo.cwiseAbs().cwiseMax(boxes[i].hi.cwiseAbs()).maxCoeff()));
+    const int least = exponent(farthest) - kBits;  // cells whose numbers a double counts without rounding
+    for (const std::uint32_t i : listed) {
+      const Aabb& b = boxes[i];
+      const int level = std::max(exponent(static_cast<double>(Vec3(b.hi - b.lo).maxCoeff())), least);
+      const std::uint32_t n = level_number(level);
+      Entry e{};
+      e.item = i, e.level = n;
+      for (int k = 0; k < 3; ++k)
+        e.cell[k] = cell_number(0.5 * (static_cast<double>(b.lo[k]) + static_cast<double>(b.hi[k])), levels_[n].inv);
+      entry_.push_back(e), levels_[n].bounds.include(b), ++levels_[n].count;
+    }
+    std::size_t buckets = 64;
+    while (buckets < 2 * entry_.size()) buckets *= 2;
+    mask_ = buckets - 1;
+    counting_sort(
+        static_cast<std::uint32_t>(entry_.size()), buckets,
+        [&](std::uint32_t n) { return bucket(entry_[n].level, entry_[n].cell); }, start_, order_);
+    sorted_.resize(entry_.size()), boxes_.resize(entry_.size());
+    for (std::size_t k = 0; k < order_.size(); ++k) sorted_[k] = entry_[order_[k]], boxes_[k] = boxes[sorted_[k].item];
+  }
+
+  template <class F>
+  void query(const Aabb& box, F&& visit) const {
+    const BoxQuery wanted(box);
+    for (std::uint32_t n = 0; n < levels_.size(); ++n)
+      if (overlaps(levels_[n].bounds, box))
+        each_near(n, box, [&](std::size_t k) {
+          if (wanted.meets(boxes_[k])) visit(sorted_[k].item);
+        });
+  }
+
+  template <class F>
+  void query_ray(const Vec3& origin, const Vec3& ray, F&& visit) const {
+    for (std::uint32_t n = 0; n < levels_.size(); ++n) {
+      const auto found = [&](std::size_t k) { visit(sorted_[k].item); };
+      const bool done =
+          each_ray_piece(levels_[n].bounds, origin, ray, 1 / levels_[n].inv, static_cast<double>(levels_[n].count),
+                         [&](const Aabb& piece) { each_near(n, piece, found); });
+      if (!done) each_of(n, found);
+    }
+  }
+
+ private:
+  static constexpr int kBits = 40;
+  struct Entry {
+    CellNumber cell[3];
+    std::uint32_t item, level;  // level: in levels_
+  };
+  struct Level {
+    int exponent = 0;
+    double inv = 1;  // 1/m, of the width of its cells
+    std::uint32_t count = 0;
+    Aabb bounds;
+  };
+
+  // Of the least power of two that is not below `size`; of 0 the least of all.
+  static int exponent(double size) {
+    if (!(size > 0)) return -200;
+    const int n = std::ilogb(size);
+    return std::ldexp(1.0, n) < size ? n + 1 : n;
+  }
+  std::uint32_t level_number(int exponent_of) {
+    for (std::uint32_t n = 0; n < levels_.size(); ++n)
+      if (levels_[n].exponent == exponent_of) return n;
+    levels_.push_back({exponent_of, std::ldexp(1.0, -exponent_of), 0, Aabb()});
+    return static_cast<std::uint32_t>(levels_.size() - 1);
+  }
+  std::size_t bucket(std::uint32_t level, const CellNumber* c) const {
+    return static_cast<std::size_t>(cell_hash(c[0], c[1], c[2]) + level * 0x9e3779b9u) & mask_;
+  }
+
+  template <class F>
+  void each_of(std::uint32_t level, F&& f) const {
+    for (std::size_t k = 0; k < sorted_.size(); ++k)
+      if (sorted_[k].level == level) f(k);
+  }
+
+  // Places of a level whose boxes may overlap `box`: middles lie at most half a cell outside it.
+  template <class F>
+  void each_near(std::uint32_t level, const Aabb& box, F&& f) const {
+    const Level& of = levels_[level];
+    CellNumber from[3], to[3];
+    double count = 1;
+    for (int k = 0; k < 3; ++k) {
+      const double half = 0.501 / of.inv;
+      const double lo = std::fmax(static_cast<double>(box.lo[k]), static_cast<double>(of.bounds.lo[k])),
+                   hi = std::fmin(static_cast<double>(box.hi[k]), static_cast<double>(of.bounds.hi[k]));
+      from[k] = cell_number(lo - half, of.inv), to[k] = cell_number(hi + half, of.inv);
+      count *= static_cast<double>(to[k] - from[k] + 1);
+    }
+    if (!(count <= static_cast<double>(of.count))) return each_of(level, f);
+    CellNumber c[3];
+    for (c[2] = from[2]; c[2] <= to[2]; ++c[2])
+      for (c[1] = from[1]; c[1] <= to[1]; ++c[1])
+        for (c[0] = from[0]; c[0] <= to[0]; ++c[0]) {
+          const std::size_t b = bucket(level, c);
+          for (std::size_t k = start_[b]; k < start_[b + 1]; ++k) {
+            const Entry& e = sorted_[k];
+            if (e.level == level && e.cell[0] == c[0] && e.cell[1] == c[1] && e.cell[2] == c[2]) f(k);
+          }
+        }
+  }
+
+  Array<Entry> entry_;
+  Array<std::uint32_t> start_, order_;
+  Array<Entry> sorted_;  // by bucket
+  Array<Aabb> boxes_;    // theirs
+  Array<Level> levels_;
+  std::size_t mask_ = 63;
+};
+
+}  // namespace
+
+Variant<BroadPhase> broad_hash_grid() {
+  return variant_of<BroadPhase, RebuiltPhase<HashGridIndex>>("hash_grid", "grids of all sizes in one hash table");
+}
+
+}  // namespace feder
