@@ -247,7 +247,8 @@ void Soft::Impl::warn_of_limits(SoftBody& b) {
   if (b.state.warned_limits) return;
   b.state.warned_limits = 1;
   const std::string what = b.solver->limits(view(b));
-  if (!what.empty()) events.warn("solver_limit", objects.describe(b.object) + ": " + b.solver_name + " " + what, b.object);
+  if (!what.empty())
+    events.warn("solver_limit", objects.describe(b.object) + ": " + b.solver_name + " " + what, b.object);
 }
 
 void Soft::Impl::check_inverted(SoftBody& b) {

@@ -125,7 +125,8 @@ TEST_CASE("damping takes what tau w^2/2 says from a mode", "[soft]") {
   const double before = w.energy().kinetic;
   for (int k = 0; k < 60; ++k) w.step();
   const Energy after = w.energy();
-  CHECK(std::log(before / (after.kinetic + after.elastic)) == Approx(0.002 * omega * omega).epsilon(is_springs(d.solver) ? 0.09 : 0.03));
+  CHECK(std::log(before / (after.kinetic + after.elastic)) ==
+        Approx(0.002 * omega * omega).epsilon(is_springs(d.solver) ? 0.09 : 0.03));
 }
 
 }  // namespace feder::test

@@ -71,7 +71,7 @@ TEST_CASE("all points random, a body is back in shape after 5 s", "[soft]") {
   CHECK(soft.inverted(id) > soft.tetrahedron_count(id) / 4);
   const double thrown = w.energy().elastic;
   for (int k = 0; k < 300; ++k) w.step();
-  if (is_springs(solver)) {  // springs lie folded as well as flat, so all they have to be is at rest
+  if (is_springs(solver) && nu < 0.25) {  // springs alone lie folded as well as flat: all they have to be is at rest
     CHECK(w.is_finite());
     CHECK(w.energy().kinetic < 1e-6 * thrown);
     CHECK(w.energy().elastic < 0.5 * thrown);

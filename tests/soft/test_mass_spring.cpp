@@ -64,7 +64,8 @@ TEST_CASE("a Poisson's ratio that springs do not have is said once, and Young's 
 
 TEST_CASE("every integrator moves springs of a body, falls freely and keeps its momentum", "[soft]") {
   const auto rows = integrators();
-  const std::string name = rows[static_cast<std::size_t>(GENERATE(range(0, static_cast<int>(integrators().size()))))].name;
+  const std::string name =
+      rows[static_cast<std::size_t>(GENERATE(range(0, static_cast<int>(integrators().size()))))].name;
   CAPTURE(name);
   if (name == "explicit_euler") return;  // makes any ringing grow by h w^2/2
   World w(WorldDesc{}, catalog());

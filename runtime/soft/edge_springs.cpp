@@ -8,7 +8,7 @@
 //   sum over points |sum w/2 n n n n - V S|^2/V -> min,  (n n n n):(m m m m) = (n.m)^4,  S:(n n n n) = 3,
 // by sweeps over edges from a start that shares the volume of tetrahedra evenly. Nothing is kept. Weak spot: an edge
 // gets no less than a part of its start, so the stars of rough meshes stay askew.
-#include "soft/springs.h"
+#include "soft/edge_springs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,7 +61,7 @@ void fit_springs(std::vector<FittedEdge>& edges, const std::vector<double>& volu
 void SoftSprings::build(const SoftMesh& mesh, std::uint32_t points) {
   const auto corner = [](const TetrahedronPoints& t, int c) { return t[static_cast<std::size_t>(c)]; };
   const auto earlier = [](const FittedEdge& a, const FittedEdge& b) { return a.i != b.i ? a.i < b.i : a.j < b.j; };
-  const auto edge_of = [&](const TetrahedronPoints& t, const int (&pair)[2]) {
+  const auto edge_of = [&](const TetrahedronPoints& t, const int(&pair)[2]) {
     const std::uint32_t a = corner(t, pair[0]), b = corner(t, pair[1]);
     return FittedEdge{std::min(a, b), std::max(a, b), {0, 0, 0}, 0, 0};
   };
