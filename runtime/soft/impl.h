@@ -40,6 +40,7 @@ struct SoftState {
   std::int32_t substeps = 1;                        // as last chosen for it
   std::uint32_t warned = 0;                         // 1: the cap of solver substeps was reported
   std::uint32_t warned_shortfall = 0;               // 1: so was a solver that did not reach its tolerance
+  std::uint32_t warned_limits = 0;                  // 1: so was what of the material its solver does not have
   std::uint32_t warned_inverted = 0;                // 1: so were inverted tetrahedra that its law does not turn back
 };
 
@@ -152,6 +153,7 @@ struct Soft::Impl {
   void choose_substeps(SoftBody& b, StepContext& c);
   void check_shortfall(SoftBody& b);
   void check_inverted(SoftBody& b);
+  void warn_of_limits(SoftBody& b);
   void warn_of_cap(SoftBody& b, double wanted, int cap);
   void add_forces(SoftBody& b, StepContext& c);
   void add_resistance(SoftBody& b, const Force& force, double time);

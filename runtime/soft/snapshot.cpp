@@ -33,6 +33,7 @@ void Soft::save(Writer& w) const {
     w.text(b->solver_name);
     b->solver_options.save(w);
     w.text(b->law->name);
+    b->solver->save(w);
   }
 }
 
@@ -56,6 +57,7 @@ void Soft::load(Reader& r) {
     std::string law;
     r.text(law);
     m.attach_solver(*b, name, options, law, "soft");
+    b->solver->load(r);
     b->derive();
     m.bodies.push_back(std::move(b));
   }

@@ -4,6 +4,7 @@
 //  - a body in equilibrium has the strain of its material;
 //  - no allocation after the first step, the same bits for any thread count.
 #pragma once
+#include <cmath>
 #include <string>
 
 #include "base/registry.h"
@@ -56,6 +57,16 @@ class SoftSolver {
   // What its iterations did not reach in this step, and the cure: "" when they reached their tolerance. Once per step,
   // after the last substep.
   virtual std::string shortfall() const { return ""; }
+  // What of the material it does not have: "" when it has all of it.
+  virtual std::string limits(const SoftView&) { return ""; }
+  // J, above that at rest, with the points there, where its energy is its own; else NaN: it is that of the law.
+  virtual double elastic_energy(const SoftView&, const Array<Vec3>&) { return NAN; }
+  // By how many solver substeps the velocity it works with leads the true one in free fall: x after n solver substeps h
+  // is x0 + v0 n h + g (n h)^2/2 + lead g n h^2. Read and written velocities are set right by it.
+  virtual Real lead() const { return Real(0.5); }
+  // State that it keeps between steps, for snapshots.
+  virtual void save(Writer&) const {}
+  virtual void load(Reader&) {}
   // Asserts that its elements are those of this mesh, unless the mesh is newer than they are.
   virtual void validate(const SoftView&) const {}
 };

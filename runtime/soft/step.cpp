@@ -123,7 +123,7 @@ void Soft::Impl::show(StepContext& c) {
   }
 }
 
-// Velocities of the method, half a solver substep behind in free fall; and the solvers, for the step of their groups.
+// Velocities of the method, which lead or lag in free fall; and the solvers, for the step of their groups.
 void Soft::Impl::gather(StepContext& c) {
   for (auto& p : bodies) {
     SoftBody& b = *p;
@@ -131,11 +131,12 @@ void Soft::Impl::gather(StepContext& c) {
     const Surface& s = surfaces.list[b.surface];
     const Real h = surfaces.groups[s.loop]->step;
     if (!(h > 0)) continue;
-    const Vec3 lead = Real(0.5) * h * b.flight();
+    const Vec3 lead = b.solver->lead() * h * b.flight();
     for (std::uint32_t i = 0; i < b.size(); ++i)
       if (b.inv_mass[i] != 0) surfaces.velocity[s.first + i].set(b.velocity[i] - lead);
     b.share = b.solver->prepare(view(b), h, c).share;
     b.prepared = true;
+    warn_of_limits(b);
     warn_of_cap(b, b.solver->wanted_substeps(view(b), c.h), surfaces.groups[s.loop]->steps);
   }
 }
@@ -242,6 +243,14 @@ void Soft::Impl::check_shortfall(SoftBody& b) {
   events.warn("unconverged", objects.describe(b.object) + ": " + b.solver_name + " " + what, b.object);
 }
 
+void Soft::Impl::warn_of_limits(SoftBody& b) {
+  if (b.state.warned_limits) return;
+  b.state.warned_limits = 1;
+  const std::string what = b.solver->limits(view(b));
+  if (!what.empty())
+    events.warn("solver_limit", objects.describe(b.object) + ": " + b.solver_name + " " + what, b.object);
+}
+
 void Soft::Impl::check_inverted(SoftBody& b) {
   if (b.law->turns_back || b.state.warned_inverted) return;
   std::size_t count = 0;
@@ -263,7 +272,7 @@ void Soft::Impl::commit(StepContext& c) {
     if (!b.active() || !b.prepared) continue;
     const Surface& s = surfaces.list[b.surface];
     const Vec3 flight = b.any_pin || b.touched || b.linked ? Vec3(0, 0, 0) : Vec3(c.gravity * b.settings.gravity_scale);
-    const Vec3 lead = Real(0.5) * surfaces.groups[s.loop]->step * flight;
+    const Vec3 lead = b.solver->lead() * surfaces.groups[s.loop]->step * flight;
     for (std::uint32_t i = 0; i < b.size() && b.bad_point == kNone; ++i)
       if (!is_finite(Vec3(b.position[i] + surfaces.delta_position[s.first + i].vec())) ||
           !is_finite(surfaces.velocity[s.first + i].vec()))

@@ -61,10 +61,11 @@ function problem.cloth_ladders(solvers, seconds, substeps)
   }
 end
 
--- A soft body as its ladders want it: xpbd takes the substeps that its stiffness needs, others those of the world.
+-- A soft body as its ladders want it: xpbd and mass_spring take the substeps that their stiffness needs, others those of
+-- the world.
 function problem.soft(solver, iterations, options)
   options.solver, options.self_collision = solver, false
-  if solver ~= "xpbd" then options.substeps = 1 end
+  if solver ~= "xpbd" and solver ~= "mass_spring" then options.substeps = 1 end
   if iterations > 0 then options.solver_options = { iterations = iterations } end
   return options
 end
@@ -74,8 +75,8 @@ function problem.soft_ladders(solvers, seconds, rate, substeps)
   local function dt(factor) return seconds / math.ceil(factor * rate * seconds - 1e-9) end
   local middle = substeps[(#substeps + 1) // 2]
   return {
-    { methods = { "xpbd" }, dt = { dt(1) }, substeps = { substeps[1], middle } },
-    { methods = problem.others(solvers, "xpbd"), dt = { dt(1) }, substeps = substeps },
+    { methods = { "xpbd", "mass_spring" }, dt = { dt(1) }, substeps = { substeps[1], middle } },
+    { methods = { "vbd", "implicit" }, dt = { dt(1) }, substeps = substeps },
     { dt = { dt(0.5), dt(1), dt(2) }, substeps = { middle } },
     { methods = { "vbd" }, dt = { dt(1) }, substeps = { middle }, iterations = { 1, 2, 4, 8, 16, 32 } },
   }

@@ -18,7 +18,7 @@ void check_bar(std::uint32_t across, const std::string& solver) {
   pull_faces(soft, id, Vec3(Real(strain * 1e6), 0, 0));
   settle(w, 1, 3e-3);
   const double longer = side(soft, id, 0) - 1;
-  CHECK(std::fabs(longer / strain - 1) < 0.02);
+  CHECK(std::fabs(longer / strain - 1) < (is_springs(solver) ? 0.08 : 0.02));
   for (int axis = 1; axis < 3; ++axis) {
     const double narrower = 1 - side(soft, id, axis) / 0.1;
     CHECK(std::fabs(narrower / (0.3 * longer) - 1) < 0.05);
@@ -43,13 +43,14 @@ TEST_CASE("a cube under pressure shrinks by p/K", "[soft]") {
     d.poisson = static_cast<Real>(nu);
     d.solver = solver;
     const ObjectId id = soft.add_soft(d);
-    const double bulk = double(d.young) / (3 * (1 - 2 * nu)), share = 0.005;
+    const double acts = is_springs(solver) ? std::fmax(nu, 0.25) : nu;
+    const double bulk = double(d.young) / (3 * (1 - 2 * acts)), share = 0.005;
     for (int k = 0; k < 60; ++k) {  // as the skin lies: else it would turn over
       pull_faces(soft, id, Vec3::Constant(static_cast<Real>(-share * bulk)));
       w.step();
     }
     const double smaller = 1 - number(soft.volume(id)) / number(soft.rest_volume(id));
-    CHECK(std::fabs(smaller / share - 1) < 0.02);
+    CHECK(std::fabs(smaller / share - 1) < (is_springs(solver) ? 0.18 : 0.02));
   }
 }
 
@@ -99,11 +100,11 @@ TEST_CASE("a free bar rings along at the speed of sound over twice its length", 
   }
   REQUIRE(crossings > 10);
   const double frequency = (crossings - 1) / (2 * (last_time - first_time));
-  CHECK(std::fabs(frequency / 5.0 - 1) < 0.01);
+  CHECK(std::fabs(frequency / 5.0 - 1) < (is_springs(d.solver) ? 0.04 : 0.01));
   // without damping nothing is lost
   if (damps) return;
   const Energy after = w.energy();
-  CHECK(std::fabs((after.kinetic + after.elastic) / energy - 1) < 0.02);
+  CHECK(std::fabs((after.kinetic + after.elastic) / energy - 1) < (is_springs(d.solver) ? 0.04 : 0.02));
 }
 
 TEST_CASE("damping takes what tau w^2/2 says from a mode", "[soft]") {
@@ -124,7 +125,8 @@ TEST_CASE("damping takes what tau w^2/2 says from a mode", "[soft]") {
   const double before = w.energy().kinetic;
   for (int k = 0; k < 60; ++k) w.step();
   const Energy after = w.energy();
-  CHECK(std::log(before / (after.kinetic + after.elastic)) == Approx(0.002 * omega * omega).epsilon(0.03));
+  CHECK(std::log(before / (after.kinetic + after.elastic)) ==
+        Approx(0.002 * omega * omega).epsilon(is_springs(d.solver) ? 0.09 : 0.03));
 }
 
 }  // namespace feder::test

@@ -19,7 +19,7 @@ ObjectId add_scene(World& w, const std::string& solver, const char* kernels = nu
   SoftDesc d = soft_box(vec3(Real(0.3), Real(0.2), Real(0.3)), 4);
   d.pose.position = vec3(Real(0.02), Real(0.56), Real(0.01));
   d.solver = solver;
-  if (kernels && solver != "implicit") d.solver_options.set("kernels", std::string(kernels));
+  if (kernels && solver != "implicit" && solver != "mass_spring") d.solver_options.set("kernels", std::string(kernels));
   return w.need<Soft>().add_soft(d);
 }
 
