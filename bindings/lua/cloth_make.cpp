@@ -4,6 +4,7 @@
 #include "cloth/solver.h"
 #include "lua/buffer.h"
 #include "lua/cloth_part.h"
+#include "lua/plastic.h"
 #include "lua/shapes.h"
 
 namespace feder::lua {
@@ -134,22 +135,6 @@ void read_max_strain(Options& o, const OptionRow& row, ClothReading& desc) {
   lua_pop(L, 1);
 }
 
-constexpr Option<ClothReading> kPlastic[] = {
-    field<&ClothDesc::yield>("yield", "", kNotNegative),
-    field<&ClothDesc::flow>("flow", "1/s", kNotNegative),
-};
-
-// plastic = { yield =, flow = }
-void read_plastic(Options& o, const OptionRow&, ClothReading& desc) {
-  if (!o.push_any("plastic")) return;
-  if (lua_type(o.L(), -1) != LUA_TTABLE) o.wrong("plastic", "{ yield =, flow = }");
-  Options inner(o.L(), -1, o.path("plastic"));
-  for (const char* key : {"yield", "flow"})
-    if (!inner.has(key)) o.raise("plastic", std::string("expected { yield =, flow = }, got no ") + key);
-  inner.read(kPlastic, desc);
-  lua_pop(o.L(), 1);
-}
-
 void read_solver(Options& o, const OptionRow&, ClothReading& desc) {
   if (o.text("solver", desc.solver)) find_variant(cloth_solvers(), desc.solver, "cloth solver");
 }
@@ -201,7 +186,7 @@ constexpr Option<ClothReading> kCloth[] = {
     {{.name = "wind"}, "boolean or table", read_wind, nullptr, rows_of<kWind>},
     field<&ClothDesc::tear_strain>("tear_strain", "", kPositive),
     {{.name = "max_strain", .range = kPositive}, "number or false", read_max_strain},
-    {{.name = "plastic"}, "table", read_plastic, nullptr, rows_of<kPlastic>},
+    {{.name = "plastic"}, "table", read_plastic<ClothReading>, nullptr, rows_of<kPlastic<ClothReading>>},
     field<&ClothDesc::pressure>("pressure", "Pa", kNotNegative),
     field<&ClothDesc::gravity_scale>("gravity_scale", "", kGravityScale),
     field<&ClothDesc::group>("group", "", kBits),

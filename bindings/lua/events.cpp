@@ -101,6 +101,10 @@ constexpr EventField kFields[] = {
        v.index(v.e.kind.has(EventKind::kPlace) || v.reported(v.e.a, "index") || v.reported(v.e.b, "index"), 1);
      }},
     {{"force", "N"}, "number", EventKind::kForce, push_number<&Event::force>},
+    {{"part"},
+     "integer",
+     EventKind::kPart,
+     [](const EventView& v) { push(v.L, static_cast<lua_Integer>(v.e.part) + 1); }},
     {{"count"},
      "integer",
      EventKind::kAmount | kTwo,

@@ -2,6 +2,7 @@
 
 #include "bounds/box_search.h"
 #include "lua/buffer.h"
+#include "lua/plastic.h"
 #include "lua/shapes.h"
 #include "lua/soft_part.h"
 #include "soft/solver.h"
@@ -112,6 +113,8 @@ constexpr Option<SoftReading> kSoft[] = {
     field<&SoftDesc::solver_options>("solver_options").with(options_of<soft_solvers>),
     {{.name = "elasticity"}, "string", read_elasticity, show_elasticity, nullptr, names_of<elastic_laws>},
     special("pins", "list of point numbers", read_soft_pins),
+    {{.name = "plastic"}, "table", read_plastic<SoftReading>, nullptr, rows_of<kPlastic<SoftReading>>},
+    field<&SoftDesc::fracture_stress>("fracture_stress", "Pa", kPositive).unset(),
     special("color", "color", read_color<SoftReading>),
     later<SoftReading>("tags", kWordsType),
 };

@@ -47,6 +47,9 @@ int soft_tetrahedron_at(lua_State* L) {
   return 5;
 }
 
+Real soft_tension(const SoftObject& s, lua_State* L) { return s.system.tension(s.id, point_argument(L, s, 2)); }
+std::size_t soft_part_of(const SoftObject& s, lua_State* L) { return s.system.part(s.id, point_argument(L, s, 2)) + 1; }
+
 bool soft_awake(const SoftObject& s) { return !s.system.asleep(s.id); }
 void soft_wake(const SoftObject& s) { s.system.wake(s.id); }
 
@@ -73,6 +76,11 @@ const Method kSoftMethods[] = {
     {"rest_volume", method<&Soft::rest_volume>, "soft:rest_volume() -> number", "unstrained, m3"},
     {"strain", method<soft_strain>, "soft:strain([k]) -> number",
      "largest elongation or shortening along any direction in a tetrahedron; the largest of all when k is left out"},
+    {"tension", method<soft_tension>, "soft:tension(i) -> number",
+     "largest tension along any direction at a point, the mean of the tetrahedra round it, Pa"},
+    {"part", method<soft_part_of>, "soft:part(i) -> integer", "the part that the point belongs to, see parts"},
+    {"parts", method<&Soft::part_count>, "soft:parts() -> integer",
+     "how many pieces it is in, numbered by their first points"},
     {"inverted", method<&Soft::inverted>, "soft:inverted() -> integer", "tetrahedra that are turned inside out"},
     {"points", guard<list_vectors<Soft, &Soft::positions>>, "soft:points([buffer]) -> buffer",
      "x, y, z of all points; a new buffer when left out"},

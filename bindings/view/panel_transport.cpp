@@ -39,7 +39,7 @@ bool icon_button(Icon icon, const char* help, bool wide = false) {
 
 ImU32 mark_color(const std::string& kind) {
   if (kind == "error") return ink::kBad;
-  if (kind == "warning" || kind.ends_with("break") || kind == "tear") return ink::kWarn;
+  if (kind == "warning" || kind.ends_with("break") || kind == "tear" || kind == "fracture") return ink::kWarn;
   if (kind == "hand") return ink::kAccent;
   if (kind == "sleep") return IM_COL32(120, 130, 200, 255);
   if (kind == "sensor_enter") return ink::kGood;

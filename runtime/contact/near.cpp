@@ -19,6 +19,8 @@
 namespace feder {
 namespace {
 
+// Of the thickness, at rest: two sides of a crack in a solid, which have no inside and outside while they lie together.
+constexpr Real kCrack = Real(1e-3);
 constexpr Real kRestShare = Real(0.9);  // of the rest distance, kept where that is below the thickness
 constexpr int kMaxSearches = 64;        // parts of a substep
 constexpr Real kNoDirection = std::numeric_limits<Real>::min() * Real(16);  // m
@@ -294,7 +296,11 @@ void SurfaceContact::Impl::test_offered(NearSearch& near, Real time) {
     p.idle = free > 0 ? free / p.idle : Real(0);
     FEDER_ASSERT(!(p.idle < 0));
     // within one surface: no row pushes apart what is that close at rest
-    if (p.surface_pair == kNone) p.thickness = std::min(p.thickness, kRestShare * rest_distance(p));
+    if (p.surface_pair == kNone) {
+      const Real rest = rest_distance(p);
+      if (rest < kCrack * p.thickness && list[near_surface[p.v[0]]].solid) continue;
+      p.thickness = std::min(p.thickness, kRestShare * rest);
+    }
     if (tangled_pair(p) && list[near_surface[p.v[0]]].ignores_inside) continue;
     near.candidates.push_back(p);
   }

@@ -52,7 +52,10 @@ std::uint32_t SoftBatches::color(const SoftView& v) {
 }
 
 void SoftBatches::build(const SoftView& v) {
-  if (version_ == v.version) return;
+  if (version_ == v.version) {
+    if (shape_ != v.shape) reshape(v);
+    return;
+  }
   version_ = v.version;
   const SoftMesh& m = *v.mesh;
   const std::uint32_t spare = v.points, count = color(v);
@@ -74,10 +77,6 @@ void SoftBatches::build(const SoftView& v) {
       if (lane == kLanes) tets_.push_back(empty), lane_.resize(tets_.size() * kLanes, kNone), lane = 0;
       TetBatch& b = tets_.back();
       for (std::size_t c = 0; c < 4; ++c) b.v[c][lane] = m.tetrahedra[k][c];
-      for (std::size_t c = 0; c < 3; ++c) {
-        const Real* g = &m.inverse[9 * k + 3 * c];
-        b.gradient[c].x.v[lane] = g[0], b.gradient[c].y.v[lane] = g[1], b.gradient[c].z.v[lane] = g[2];
-      }
       b.volume.v[lane] = m.volume[k];
       lane_[(tets_.size() - 1) * kLanes + static_cast<std::size_t>(lane)] = k;
       ++lane;
@@ -87,15 +86,39 @@ void SoftBatches::build(const SoftView& v) {
   flagged_.assign(tets_.size(), 0);
   damping_.clear();
   measure(v);
+  reshape(v);
+}
+
+// Gradients as they are now, and the bounds that follow: what flows answers more, all of the body at most by as much as
+// the tetrahedron that does so most.
+void SoftBatches::reshape(const SoftView& v) {
+  shape_ = v.shape;
+  const SoftMesh& m = *v.mesh;
+  const auto more = [&](std::uint32_t k) { return m.stiffening.empty() ? 1.0 : double(m.stiffening[k]); };
+  double most = 0, growth = 1;
+  for (std::uint32_t k = 0; k < rate_.size(); ++k)
+    most = std::fmax(most, rate_[k] * more(k)), growth = std::fmax(growth, more(k));
+  stiffest_ = most * rest_stiffness(v.material), fastest_ = std::fmin(stiffest_, at_first_ * growth);
+  for (std::size_t n = 0; n < lane_.size(); ++n) {
+    const std::uint32_t k = lane_[n];
+    if (k == kNone) continue;
+    TetBatch& b = tets_[n / kLanes];
+    const std::size_t lane = n % kLanes;
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Real* g = &m.inverse[9 * std::size_t(k) + 3 * c];
+      b.gradient[c].x.v[lane] = g[0], b.gradient[c].y.v[lane] = g[1], b.gradient[c].z.v[lane] = g[2];
+    }
+    b.room.v[lane] = static_cast<Real>(std::fmin(most / (rate_[k] * more(k)), kMostRoom));
+  }
 }
 
 void SoftBatches::measure(const SoftView& v) {
   const SoftMesh& m = *v.mesh;
   const std::size_t n = m.tetrahedra.size();
-  const double stiffness = rest_stiffness(v.material);
   rate_.resize(n);
   std::vector<std::uint32_t> order(n);
-  for (std::uint32_t k = 0; k < n; ++k) order[k] = k, rate_[k] = 4 / v.density * gradient_bound(m.rest_corners(k));
+  for (std::uint32_t k = 0; k < n; ++k)
+    order[k] = k, rate_[k] = 4 / v.density * gradient_bound(barycentric_gradients(m.rest_corners(k)));
   // the stiffest tetrahedra count as softer, as far as the body does not notice
   std::sort(order.begin(), order.end(),
             [&](std::uint32_t a, std::uint32_t b) { return rate_[a] != rate_[b] ? rate_[a] > rate_[b] : a < b; });
@@ -109,17 +132,11 @@ void SoftBatches::measure(const SoftView& v) {
     }
     cut = next;
   }
-  stiffest_ = cut * stiffness;
   std::vector<double> scale(n);
   for (std::size_t k = 0; k < n; ++k) scale[k] = std::fmin(1, cut / rate_[k]), rate_[k] *= scale[k];
-  for (std::size_t l = 0; l < lane_.size(); ++l) {
-    if (lane_[l] == kNone) continue;
-    TetBatch& b = tets_[l / kLanes];
-    b.volume.v[l % kLanes] *= static_cast<Real>(scale[lane_[l]]);
-    b.room.v[l % kLanes] = static_cast<Real>(std::fmin(cut / rate_[lane_[l]], kMostRoom));
-  }
-  fastest_ =
-      std::fmin(stiffest_, kUnderestimate * fastest_mode(m, v.points, v.material, v.density, scale, kIterations));
+  for (std::size_t l = 0; l < lane_.size(); ++l)
+    if (lane_[l] != kNone) tets_[l / kLanes].volume.v[l % kLanes] *= static_cast<Real>(scale[lane_[l]]);
+  at_first_ = kUnderestimate * fastest_mode(m, v.points, v.material, v.density, scale, kIterations);
 }
 
 void SoftBatches::set_step(const SoftView& v, Real h, double share) {

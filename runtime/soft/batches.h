@@ -37,10 +37,11 @@ class SoftBatches {
   void run(Kernel kernel, const TetPass& pass, StepContext& c);
   std::uint32_t color(const SoftView& v);
   void measure(const SoftView& v);
+  void reshape(const SoftView& v);
 
   Arena& arena_;
   const TetKernels* kernels_ = &kTetKernelsPlain;
-  std::uint64_t version_ = ~std::uint64_t(0);
+  std::uint64_t version_ = ~std::uint64_t(0), shape_ = 0;
   Array<TetBatch> tets_{&arena_};
   Array<unsigned char> flagged_{&arena_};  // by batch
   Array<Color> colors_{&arena_};
@@ -49,6 +50,7 @@ class SoftBatches {
   Array<std::uint32_t> lane_{&arena_};           // the tetrahedron of each lane, or kNone
   mutable Array<std::uint32_t> marks_{&arena_};  // of validate(), by point
   Array<double> rate_{&arena_};                  // by tetrahedron: w^2 of it alone per stiffness, 1/(s^2 Pa)
+  double at_first_ = 0;                          // 1/s^2: w^2 of the body before anything of it flowed
   double fastest_ = 0, stiffest_ = 0;            // 1/s^2: of the body, and of a tetrahedron of it alone
   double share_ = 1, carried_ = 0;               // Pa: of the stiffest tetrahedron, by a push
   // stages of damping; empty where there is none

@@ -28,8 +28,7 @@ SoftMaterial soft_material(double young, double poisson) {
   return m;
 }
 
-double gradient_bound(const Corners& x) {
-  const Corners g = barycentric_gradients(x);
+double gradient_bound(const Corners& g) {
   // in units of the largest gradient, so that float does
   double scale = 0;
   for (const Double3& v : g) scale = std::fmax(scale, dot(v, v));
@@ -50,6 +49,8 @@ double fastest_mode(const SoftMesh& mesh, std::uint32_t points, const SoftMateri
   std::vector<double> mass(points, 0);
   for (std::size_t k = 0; k < mesh.tetrahedra.size(); ++k)
     for (const std::uint32_t i : mesh.tetrahedra[k]) mass[i] += density * double(mesh.volume[k]) / 4;
+  std::vector<Corners> gradients(mesh.tetrahedra.size());
+  for (std::size_t k = 0; k < gradients.size(); ++k) gradients[k] = barycentric_gradients(mesh.rest_corners(k));
   Rng rng(1);
   for (Double3& d : u) d = {double(rng.uniform(-1, 1)), double(rng.uniform(-1, 1)), double(rng.uniform(-1, 1))};
   double fastest = 0;
@@ -57,13 +58,8 @@ double fastest_mode(const SoftMesh& mesh, std::uint32_t points, const SoftMateri
     std::fill(force.begin(), force.end(), Double3{0, 0, 0});
     for (std::size_t k = 0; k < mesh.tetrahedra.size(); ++k) {
       const TetrahedronPoints& t = mesh.tetrahedra[k];
-      Double3 h[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}, g[4];  // columns of the displacement gradient
-      g[0] = {0, 0, 0};
-      for (std::size_t c = 1; c < 4; ++c) {
-        const Real* at = &mesh.inverse[9 * k + 3 * (c - 1)];
-        g[c] = {double(at[0]), double(at[1]), double(at[2])};
-        g[0] = g[0] - g[c];
-      }
+      const Corners& g = gradients[k];
+      Double3 h[3] = {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}};  // columns of the displacement gradient
       for (std::size_t c = 0; c < 4; ++c) {
         h[0] = h[0] + g[c].x * u[t[c]], h[1] = h[1] + g[c].y * u[t[c]], h[2] = h[2] + g[c].z * u[t[c]];
       }

@@ -27,6 +27,10 @@ struct SoftSettings {
   std::uint32_t group = 1, mask = 0xffffffffu;
   std::uint32_t self_collision = 1;
   std::int32_t substeps = 0, max_substeps = 0;
+  Real yield = kInfinity, flow = 0;  // strain; 1/s
+  Real fracture_stress = kInfinity;  // Pa
+  bool flows() const { return flow > 0 && yield < kInfinity; }
+  bool fractures() const { return fracture_stress < kInfinity; }
 };
 
 // What changes from step to step; saved too.
@@ -42,10 +46,23 @@ struct SoftState {
   std::uint32_t warned_shortfall = 0;               // 1: so was a solver that did not reach its tolerance
   std::uint32_t warned_limits = 0;                  // 1: so was what of the material its solver does not have
   std::uint32_t warned_inverted = 0;                // 1: so were inverted tetrahedra that its law does not turn back
+  std::uint32_t warned_flow = 0;                    // 1: so was a shape that flowed as far as it may
 };
 
 // Of a soft body whose energy jumped.
 inline constexpr const char* kSoftCure = "take more substeps or weaker forces";
+
+// Sum over tetrahedra of volume times Cauchy stress, and of volume.
+struct StressSum {
+  Mat3d stress = Mat3d::Zero();  // J
+  double volume = 0;             // m^3
+};
+
+// The largest principal stress at a point.
+struct Tension {
+  double stress = 0;     // Pa
+  Vec3 across{1, 0, 0};  // unit normal of the plane that it pulls at
+};
 
 struct SoftBody {
   explicit SoftBody(Arena& a) : arena(a), mesh(a) {}
@@ -70,6 +87,7 @@ struct SoftBody {
   // follow from those
   SoftMaterial material;
   std::uint64_t version = 1;  // of mesh and material
+  std::uint64_t shape = 0;    // of what flowed
   Real total_mass = 0;        // kg
   bool any_pin = false;
   double share = 1;  // of its stiffness that it acts with, as last chosen
@@ -88,8 +106,11 @@ struct SoftBody {
   void set_flight(const Vec3& a) {
     for (int k = 0; k < 3; ++k) state.flight[k] = a[k];
   }
-  void derive();       // all that follows
-  void derive_mass();  // what follows from pins
+  void derive();                                              // all that follows
+  void derive_mass();                                         // what follows from pins
+  void share_mass();                                          // that of tetrahedra by their points
+  Mat3d gradient(std::size_t k, const Array<Vec3>& x) const;  // elastic deformation gradient
+  Tension tension(std::uint32_t i) const;
   void find_search() {
     search = search_name.empty() ? nullptr : &find_variant(box_searches(), search_name, "search of self-contact");
   }
@@ -124,8 +145,10 @@ struct Soft::Impl {
   bool gravity_known = false;
   Vec3 gravity = Vec3::Zero();  // of the last step: a change wakes all
   Array<MassPoint> points{&arena};
-  Array<Vec3> forces{&arena};                 // N
-  Array<Vec3> as_is{&arena}, faster{&arena};  // N, of one force, and on points that are faster
+  Array<Vec3> forces{&arena};                             // N
+  Array<StressSum> stress{&arena};                        // by point, of the body that is looked at
+  Array<std::pair<Tension, std::uint32_t>> torn{&arena};  // beyond its fracture stress, and the point
+  Array<Vec3> as_is{&arena}, faster{&arena};              // N, of one force, and on points that are faster
 
   SoftBody& body(ObjectId id) const {
     FEDER_ASSERT(objects.alive(id) && objects.kind(id) == kSoftKind);
@@ -158,6 +181,8 @@ struct Soft::Impl {
   void add_forces(SoftBody& b, StepContext& c);
   void add_resistance(SoftBody& b, const Force& force, double time);
   void update_sleep(SoftBody& b, StepContext& c);
+  void flow(SoftBody& b, StepContext& c);  // plastic.cpp
+  void fracture(SoftBody& b);              // fracture.cpp
   // watch.cpp
   double work(const SoftBody& b, const StepContext& c) const;
   double given(const SoftBody& b, const StepContext& c) const;

@@ -82,7 +82,7 @@ class SoftImplicit final : public SoftSolver {
     const Array<Vec3d>& guess = coasting < standing ? goal_ : start_;
     std::copy(guess.begin(), guess.end(), u_.begin());
     minimise(v, std::fmin(coasting, standing));
-    if (afloat_) take_out(v);
+    each_free_part(v, [&](std::span<const std::uint32_t> part) { take_out(v, part); });
     for (std::uint32_t i = 0; i < v.points; ++i) {
       Row4& d = v.delta_position[i];
       if (free_[i] != 0) {
@@ -118,7 +118,10 @@ class SoftImplicit final : public SoftSolver {
   };
 
   void build(const SoftView& v) {
-    if (version_ == v.version) return;
+    if (version_ == v.version) {
+      if (shape_ != v.shape) reshape(v);
+      return;
+    }
     version_ = v.version;
     const SoftMesh& m = *v.mesh;
     // pattern: each pair of points that share a tetrahedron
@@ -149,12 +152,6 @@ class SoftImplicit final : public SoftSolver {
                                                                  earlier) -
                                                 pairs.begin());
       t.volume = double(m.volume[k]);
-      t.gradient[0] = Vec3d(0, 0, 0);
-      for (int c = 1; c < 4; ++c) {
-        for (int d = 0; d < 3; ++d)
-          t.gradient[c][d] = double(m.inverse[9 * k + static_cast<std::size_t>(3 * (c - 1) + d)]);
-        t.gradient[0] -= t.gradient[c];
-      }
       tets_.push_back(t);
     }
     for (Array<Vec3d>* a : {&u_, &trial_, &start_, &goal_, &gradient_}) a->assign(v.points, Vec3d(0, 0, 0));
@@ -162,19 +159,33 @@ class SoftImplicit final : public SoftSolver {
     size_.resize(v.points);
     rounding_ = kDensityRounding * rest_stiffness(v.material) * m.rest_volume;
     const std::vector<double> whole(tets_.size(), 1);
-    fastest_ = fastest_mode(m, v.points, v.material, v.density, whole, kModeIterations);
+    at_first_ = fastest_mode(m, v.points, v.material, v.density, whole, kModeIterations);
+    reshape(v);
+  }
+
+  void reshape(const SoftView& v) {
+    shape_ = v.shape;
+    const SoftMesh& m = *v.mesh;
+    Real most = 1;
+    for (const Real x : m.stiffening) most = std::max(most, x);
+    fastest_ = at_first_ * double(most);
+    for (std::size_t k = 0; k < tets_.size(); ++k) {
+      Tet& t = tets_[k];
+      t.gradient[0] = Vec3d(0, 0, 0);
+      for (int c = 1; c < 4; ++c) {
+        for (int d = 0; d < 3; ++d)
+          t.gradient[c][d] = double(m.inverse[9 * k + static_cast<std::size_t>(3 * (c - 1) + d)]);
+        t.gradient[0] -= t.gradient[c];
+      }
+    }
   }
 
   // Start and goal of a solver substep, and the strain that damping resists a change of.
   void begin(const SoftView& v, Real h) {
-    afloat_ = true;
-    total_mass_ = 0;
     for (std::uint32_t i = 0; i < v.points; ++i) {
       const Row4& x = v.delta_position[i];
       free_[i] = x.w;
-      afloat_ = afloat_ && x.w != 0;
       mass_[i] = x.w != 0 ? 1 / double(x.w) : 0;
-      total_mass_ += mass_[i];
       if (x.w != 0) v.velocity[i].add(h * v.acceleration[i]);
       start_[i] = x.vec().cast<double>();
       goal_[i] = start_[i];
@@ -338,7 +349,7 @@ class SoftImplicit final : public SoftSolver {
     double s = 1;
     for (int n = 0; n < kHalvings; ++n, s /= 2) {
       for (std::uint32_t i = 0; i < v.points; ++i) trial_[i] = u_[i] + s * step_[i].cast<double>();
-      if (afloat_) centre(v, trial_);
+      each_free_part(v, [&](std::span<const std::uint32_t> part) { centre(part, trial_); });
       const double then = energy(v, trial_);
       if (!(then <= now + kArmijo * s * slope + kEnergyRounding * std::fabs(now) + rounding_)) continue;
       std::swap(u_, trial_);
@@ -348,31 +359,48 @@ class SoftImplicit final : public SoftSolver {
     return false;
   }
 
-  void centre(const SoftView& v, Array<Vec3d>& u) const {
+  template <class F>
+  void each_free_part(const SoftView& v, F&& f) const {
+    for (std::uint32_t n = 0; n < v.mesh->parts(); ++n) {
+      const std::span<const std::uint32_t> part = v.mesh->part(n);
+      if (std::none_of(part.begin(), part.end(), [&](std::uint32_t i) { return free_[i] == 0; })) f(part);
+    }
+  }
+
+  double mass_of(std::span<const std::uint32_t> part) const {
+    double sum = 0;
+    for (const std::uint32_t i : part) sum += mass_[i];
+    return sum;
+  }
+
+  void centre(std::span<const std::uint32_t> part, Array<Vec3d>& u) const {
     Vec3d mean(0, 0, 0);
-    for (std::uint32_t i = 0; i < v.points; ++i) mean += mass_[i] * (u[i] - goal_[i]);
-    mean /= total_mass_;
-    for (std::uint32_t i = 0; i < v.points; ++i) u[i] -= mean;
+    for (const std::uint32_t i : part) mean += mass_[i] * (u[i] - goal_[i]);
+    mean /= mass_of(part);
+    for (const std::uint32_t i : part) u[i] -= mean;
   }
 
   // Linear momentum and the torque about where the solver substep began.
-  void take_out(const SoftView& v) {
-    centre(v, u_);
-    const auto place = [&](std::uint32_t i) { return Vec3(v.position[i] - v.position[0] + v.delta_position[i].vec()); };
+  void take_out(const SoftView& v, std::span<const std::uint32_t> part) {
+    centre(part, u_);
+    const auto place = [&](std::uint32_t k) {
+      return Vec3(v.position[part[k]] - v.position[part[0]] + v.delta_position[part[k]].vec());
+    };
+    const auto count = static_cast<std::uint32_t>(part.size());
     Vec3d gained(0, 0, 0);  // kg m^2
-    for (std::uint32_t i = 0; i < v.points; ++i) {
-      const Vec3d r = place(i).cast<double>(), d = mass_[i] * (u_[i] - goal_[i]);
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const Vec3d r = place(k).cast<double>(), d = mass_[part[k]] * (u_[part[k]] - goal_[part[k]]);
       gained += Vec3d(r[1] * d[2] - r[2] * d[1], r[2] * d[0] - r[0] * d[2], r[0] * d[1] - r[1] * d[0]);
     }
     take_out_spin(
-        gained.cast<Real>(), v.points, static_cast<Real>(total_mass_), 0,
-        [&](std::uint32_t i) { return static_cast<Real>(mass_[i]); }, place,
-        [&](std::uint32_t i, const Vec3& change) { u_[i] += change.cast<double>(); });
+        gained.cast<Real>(), count, static_cast<Real>(mass_of(part)), 0,
+        [&](std::uint32_t k) { return static_cast<Real>(mass_[part[k]]); }, place,
+        [&](std::uint32_t k, const Vec3& change) { u_[part[k]] += change.cast<double>(); });
   }
 
   double tolerance_;
   int iterations_, steps_ = 0;  // the latter: of Newton, where it missed the tolerance
-  std::uint64_t version_ = ~std::uint64_t(0);
+  std::uint64_t version_ = ~std::uint64_t(0), shape_ = 0;
   Array<Tet> tets_;
   // displacements since the start of the step by point, m: reached, tried, at the start of the solver substep, of
   // inertia alone
@@ -386,12 +414,12 @@ class SoftImplicit final : public SoftSolver {
   BlockLdl ldl_;
   ConjugateGradient cg_;
   bool factors_ = false, cheap_ = false;  // it may be factored; at no more than a few iterations cost
-  bool direct_ = false, afloat_ = false;  // it is, for this step; nothing holds it
+  bool direct_ = false;                   // it is, for this step
   int cg_iterations_ = 0;
-  double h_ = 0, lag_ = 0;               // s; damping time beyond h, over h
-  double total_mass_ = 0, fastest_ = 0;  // kg; w^2 of the fastest mode at rest, 1/s^2
-  double rounding_ = 0;                  // J, of the energy
-  double missed_ = 0;                    // the largest residual above the tolerance in this step
+  double h_ = 0, lag_ = 0;             // s; damping time beyond h, over h
+  double at_first_ = 0, fastest_ = 0;  // w^2 of the fastest mode, 1/s^2: before anything flowed, and now
+  double rounding_ = 0;                // J, of the energy
+  double missed_ = 0;                  // the largest residual above the tolerance in this step
 };
 
 }  // namespace

@@ -61,6 +61,8 @@ class SoftMassSpring final : public SoftSolver, private ForceField {
 
   bool takes(const ElasticLaw& law) const override { return std::string_view(law.name) == "neo_hookean"; }
 
+  bool flows() const override { return false; }
+
   double wanted_substeps(const SoftView& v, Real h) override {
     build(v);
     return std::fmax(double(h) * std::sqrt(fastest_ / resolved()), v.damping > 0 ? kDampedSubsteps : 1);

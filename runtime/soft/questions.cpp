@@ -7,23 +7,13 @@
 namespace feder {
 namespace {
 
-// Columns of the deformation gradient.
-std::array<Double3, 3> gradient_of(const SoftBody& b, std::size_t k, const Corners& x) {
-  std::array<Double3, 3> f = {{{0, 0, 0}, {0, 0, 0}, {0, 0, 0}}};
-  for (std::size_t c = 0; c < 3; ++c) {
-    const Real* g = &b.mesh.inverse[9 * k + 3 * c];
-    for (std::size_t j = 0; j < 3; ++j) f[j] = f[j] + double(g[j]) * (x[c + 1] - x[0]);
-  }
-  return f;
-}
-
 // Largest |s - 1| over the singular values s of F.
 double strain_of(const SoftBody& b, std::size_t k) {
-  const std::array<Double3, 3> f = gradient_of(b, k, b.corners(k));
+  const Mat3d f = b.gradient(k, b.position);
   Mat3 c;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      c(i, j) = static_cast<Real>(dot(f[static_cast<std::size_t>(i)], f[static_cast<std::size_t>(j)]) - (i == j));
+      c(i, j) = static_cast<Real>(f(0, i) * f(0, j) + f(1, i) * f(1, j) + f(2, i) * f(2, j) - (i == j));
   Vec3 values;
   Mat3 vectors;
   eigen_symmetric(c, values, vectors);
@@ -40,6 +30,19 @@ double volume_of(const SoftBody& b) {
 
 }  // namespace
 
+Mat3d SoftBody::gradient(std::size_t k, const Array<Vec3>& x) const {
+  const Corners at = corners(k, x);
+  Mat3d f;
+  f.setZero();
+  for (std::size_t c = 0; c < 3; ++c) {
+    const Real* g = &mesh.inverse[9 * k + 3 * c];
+    const Double3 e = at[c + 1] - at[0];
+    for (int j = 0; j < 3; ++j)
+      f(0, j) += double(g[j]) * e.x, f(1, j) += double(g[j]) * e.y, f(2, j) += double(g[j]) * e.z;
+  }
+  return f;
+}
+
 double SoftBody::elastic_energy(const Array<Vec3>& x) const {
   SoftView v;
   v.mesh = &mesh, v.points = size(), v.version = version;
@@ -48,13 +51,7 @@ double SoftBody::elastic_energy(const Array<Vec3>& x) const {
   if (!std::isnan(own)) return own;
   double sum = 0;
   for (std::size_t k = 0; k < mesh.tetrahedra.size(); ++k) {
-    const std::array<Double3, 3> columns = gradient_of(*this, k, corners(k, x));
-    Mat3d f;
-    for (int j = 0; j < 3; ++j) {
-      const Double3& c = columns[static_cast<std::size_t>(j)];
-      f(0, j) = c.x, f(1, j) = c.y, f(2, j) = c.z;
-    }
-    sum += double(mesh.volume[k]) * law->energy(material, f);
+    sum += double(mesh.volume[k]) * law->energy(material, gradient(k, x));
   }
   return sum;
 }
@@ -84,6 +81,13 @@ Real Soft::max_strain(ObjectId id) const {
   for (std::size_t k = 0; k < b.mesh.tetrahedra.size(); ++k) most = std::fmax(most, strain_of(b, k));
   return static_cast<Real>(most);
 }
+
+Real Soft::tension(ObjectId id, std::size_t i) const {
+  return static_cast<Real>(impl_->body(id).tension(impl_->point(id, i)).stress);
+}
+
+std::size_t Soft::part_count(ObjectId id) const { return impl_->body(id).mesh.parts(); }
+std::size_t Soft::part(ObjectId id, std::size_t i) const { return impl_->body(id).mesh.part_of[impl_->point(id, i)]; }
 
 std::size_t Soft::inverted(ObjectId id) const {
   const SoftBody& b = impl_->body(id);

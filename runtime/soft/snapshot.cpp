@@ -14,6 +14,8 @@ void Soft::hash(Hash& h) const {
     }
     for (const TetrahedronPoints& t : b->mesh.tetrahedra)
       for (const std::uint32_t i : t) h.add(i);
+    for (const Real p : b->mesh.flowed) h.add(p);
+    h.add(b->settings.yield), h.add(b->settings.flow), h.add(b->settings.fracture_stress);
     h.add(b->settings.young), h.add(b->settings.poisson), h.add(b->settings.damping);
     h.add(b->state.frozen), h.add(b->state.asleep), h.add(b->state.sleep_energy), h.add(b->flight());
     h.bytes(b->solver_name.data(), b->solver_name.size());
@@ -76,6 +78,8 @@ void Soft::validate() const {
     FEDER_ASSERT(b.script_force.size() == size && b.mesh.rest.size() == size && b.mesh.visible <= size);
     FEDER_ASSERT(b.contact.size() == size && b.steady_contact.size() == size);
     FEDER_ASSERT(b.mesh.inverse.size() == 9 * b.mesh.tetrahedra.size());
+    FEDER_ASSERT(b.mesh.flowed.size() == (b.settings.flows() ? b.mesh.inverse.size() : 0));
+    FEDER_ASSERT(b.mesh.part_points.size() == size && b.mesh.parts() >= 1);
     FEDER_ASSERT(!(b.state.asleep && b.state.frozen) && b.state.substeps >= 1);
     for (std::uint32_t i = 0; i < size; ++i) {
       FEDER_ASSERT(b.inv_mass[i] == 0 || b.inv_mass[i] == 1 / b.mass[i]);

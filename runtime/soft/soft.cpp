@@ -25,6 +25,9 @@ void check_soft(const SoftDesc& d, const std::string& owner) {
   need_soft(not_negative(d.damping), owner, "damping", "a finite number, 0 or more", double(d.damping));
   need_soft(not_negative(d.thickness), owner, "thickness", "a finite number, 0 or more", double(d.thickness));
   need_soft(not_negative(d.friction), owner, "friction", "a finite number, 0 or more", double(d.friction));
+  need_soft(d.yield >= 0, owner, "plastic.yield", "a number, 0 or more", double(d.yield));
+  need_soft(not_negative(d.flow), owner, "plastic.flow", "a finite number, 0 or more", double(d.flow));
+  need_soft(d.fracture_stress > 0, owner, "fracture_stress", "a number above 0", double(d.fracture_stress));
   need_soft(is_finite(d.gravity_scale), owner, "gravity_scale", "a finite number", double(d.gravity_scale));
   need_soft(d.substeps >= 0 && d.substeps <= 10000, owner, "substeps", "a whole number from 0 to 10000", d.substeps);
   need_soft(d.max_substeps >= 0 && d.max_substeps <= 10000, owner, "max_substeps", "a whole number from 0 to 10000",
@@ -42,6 +45,7 @@ const SystemDescriptor& Soft::descriptor() {
   static const char* const needs[] = {"contact"};
   static constexpr ObjectKind kinds[] = {kSoftKind};
   static constexpr WakeCause causes[] = {kSoftCause};
+  static constexpr EventKind kinds_of_events[] = {kFracture};
   static const SystemDescriptor d = {.name = kName,
                                      .units = "tetrahedra",
                                      .unit = "tetrahedron",
@@ -49,6 +53,7 @@ const SystemDescriptor& Soft::descriptor() {
                                      .shows = "surface",
                                      .kinds = kinds,
                                      .causes = causes,
+                                     .events = kinds_of_events,
                                      .make = &make_system<Soft>};
   return d;
 }
@@ -78,6 +83,12 @@ void SoftBody::derive_mass() {
   total_mass = 0;
   any_pin = false;
   for (std::uint32_t i = 0; i < size(); ++i) total_mass += mass[i], any_pin = any_pin || inv_mass[i] == 0;
+}
+
+void SoftBody::share_mass() {
+  std::fill(mass.begin(), mass.end(), Real(0));
+  for (std::size_t k = 0; k < mesh.tetrahedra.size(); ++k)
+    for (const std::uint32_t i : mesh.tetrahedra[k]) mass[i] += settings.density * mesh.volume[k] / 4;
 }
 
 void SoftBody::derive() {
@@ -117,13 +128,16 @@ ObjectId Soft::add_soft(const SoftDesc& desc) {
   auto b = std::make_unique<SoftBody>(m.arena);
   make_tetrahedra(desc, owner, b->mesh);
   const auto n = static_cast<std::uint32_t>(b->mesh.rest.size());
-  b->settings = {desc.density,       desc.young, desc.poisson, desc.damping,        desc.thickness, desc.friction,
-                 desc.gravity_scale, desc.group, desc.mask,    desc.self_collision, desc.substeps,  desc.max_substeps};
+  b->settings = {desc.density,  desc.young,         desc.poisson, desc.damping, desc.thickness,
+                 desc.friction, desc.gravity_scale, desc.group,   desc.mask,    desc.self_collision,
+                 desc.substeps, desc.max_substeps,  desc.yield,   desc.flow,    desc.fracture_stress};
   if (desc.thickness == 0) b->settings.thickness = static_cast<Real>(b->mesh.mean_edge / 10);
   need_soft(b->settings.thickness > 0, owner, "points", "a skin of some size", b->mesh.mean_edge);
+  if (b->settings.flows()) {
+    for (std::size_t k = 0; k < 9 * b->mesh.tetrahedra.size(); ++k) b->mesh.flowed.push_back(Real(k % 9 % 4 == 0));
+  }
   b->mass.assign(n, 0);
-  for (std::size_t k = 0; k < b->mesh.tetrahedra.size(); ++k)
-    for (const std::uint32_t i : b->mesh.tetrahedra[k]) b->mass[i] += desc.density * b->mesh.volume[k] / 4;
+  b->share_mass();
   Double3 middle{0, 0, 0};
   double total = 0;
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -144,6 +158,9 @@ ObjectId Soft::add_soft(const SoftDesc& desc) {
   b->search_name = desc.self;
   b->find_search();
   m.attach_solver(*b, desc.solver, desc.solver_options, desc.elasticity, owner);
+  if (b->settings.flows() && !b->solver->flows())
+    throw SceneError(owner + ": plastic: expected a solver whose tetrahedra have shapes that flow, " + desc.solver +
+                     " has springs; xpbd, vbd and implicit do");
   b->derive();
 
   // nothing can fail from here on

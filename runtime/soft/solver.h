@@ -21,6 +21,7 @@ struct SoftView {
   const SoftMesh* mesh = nullptr;
   std::uint32_t points = 0;   // the next one is the spare that empty lanes may point to
   std::uint64_t version = 0;  // changes with mesh and material
+  std::uint64_t shape = 0;    // changes where shapes at rest flow
   SoftMaterial material;
   const ElasticLaw* law = nullptr;     // of elasticity
   double density = 0;                  // kg/m^3
@@ -46,6 +47,8 @@ class SoftSolver {
   virtual double wanted_substeps(const SoftView& soft, Real h) = 0;
   // Does it have this law? Else such a body is an error.
   virtual bool takes(const ElasticLaw& law) const = 0;
+  // Do shapes at rest flow with it? Else plastic bodies are an error.
+  virtual bool flows() const { return true; }
   // Once per step, before the first substep; h: one solver substep.
   virtual SoftStiffness prepare(const SoftView& soft, Real h, StepContext& c) = 0;
   // One solver substep of h: writes `delta_position`, and `before`, from which velocities will be read after contacts

@@ -33,7 +33,7 @@ SoftView Soft::Impl::view(SoftBody& b) {
   SoftView v;
   v.mesh = &b.mesh;
   v.points = b.size();
-  v.version = b.version;
+  v.version = b.version, v.shape = b.shape;
   v.material = b.material, v.law = b.law, v.density = double(b.settings.density), v.damping = b.settings.damping;
   if (b.surface >= surfaces.list.size()) return v;
   const std::uint32_t first = surfaces.list[b.surface].first;
@@ -294,6 +294,8 @@ void Soft::Impl::commit(StepContext& c) {
     b.set_flight(flight);
     check_shortfall(b), check_inverted(b);
     watch(b, c);
+    if (b.settings.flows()) flow(b, c);
+    if (b.settings.fractures()) fracture(b);
     update_sleep(b, c);
   }
   if (!message.empty()) events.warn("non_finite", message, bad);

@@ -8,6 +8,7 @@
 
 #include "feder/error.h"
 #include "geom/solid_mesh.h"
+#include "soft/stability.h"
 
 namespace feder {
 namespace {
@@ -102,7 +103,7 @@ void fill(const SoftDesc& d, const std::string& owner, SoftMesh& m) {
 }  // namespace
 
 void SoftMesh::derive() {
-  skin.clear(), edges.clear(), inverse.clear(), volume.clear();
+  skin.clear(), edges.clear(), volume.clear();
   rest_volume = mean_edge = 0, visible = 0;
   double area = 0;
   std::vector<SkinFace> faces;
@@ -123,15 +124,59 @@ void SoftMesh::derive() {
   std::sort(edges.begin(), edges.end());
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   for (const auto& e : edges) mean_edge += length(wide(rest[e[0]]) - wide(rest[e[1]])) / double(edges.size());
+  inverse.resize(9 * tetrahedra.size()), stiffening.assign(flowed.size() / 9, Real(1));
   for (std::size_t k = 0; k < tetrahedra.size(); ++k) {
-    const Corners x = rest_corners(k), g = barycentric_gradients(x);
-    const double v = tetrahedron_volume(x);
+    const double v = tetrahedron_volume(rest_corners(k));
     rest_volume += v;
     volume.push_back(static_cast<Real>(v));
-    for (std::size_t c = 1; c < 4; ++c)
-      for (const double part : {g[c].x, g[c].y, g[c].z}) inverse.push_back(static_cast<Real>(part));
+    shape(k);
   }
   girth = area > 0 ? 2 * rest_volume / area : 0;
+  find_parts();
+}
+
+// F = sum e g^T over edges e and gradients g; of the elastic part F P that is g' = P^T g.
+void SoftMesh::shape(std::size_t k) {
+  const Corners x = rest_corners(k);
+  Corners g = barycentric_gradients(x);
+  if (!flowed.empty()) {
+    const double before = gradient_bound(g);
+    const Real* p = &flowed[9 * k];  // by rows
+    for (Double3& v : g)
+      v = v.x * Double3{double(p[0]), double(p[1]), double(p[2])} +
+          v.y * Double3{double(p[3]), double(p[4]), double(p[5])} +
+          v.z * Double3{double(p[6]), double(p[7]), double(p[8])};
+    stiffening[k] = static_cast<Real>(gradient_bound(g) / before);
+  }
+  for (std::size_t c = 1; c < 4; ++c) {
+    Real* at = &inverse[9 * k + 3 * (c - 1)];
+    at[0] = static_cast<Real>(g[c].x), at[1] = static_cast<Real>(g[c].y), at[2] = static_cast<Real>(g[c].z);
+  }
+}
+
+void SoftMesh::find_parts() {
+  const auto n = static_cast<std::uint32_t>(rest.size());
+  part_of.resize(n);
+  for (std::uint32_t i = 0; i < n; ++i) part_of[i] = i;
+  const auto root = [&](std::uint32_t i) {
+    while (part_of[i] != i) i = part_of[i] = part_of[part_of[i]];
+    return i;
+  };
+  for (const TetrahedronPoints& t : tetrahedra)
+    for (std::size_t c = 1; c < 4; ++c) {
+      const std::uint32_t a = root(t[0]), b = root(t[c]);
+      part_of[std::max(a, b)] = std::min(a, b);
+    }
+  for (std::uint32_t i = 0; i < n; ++i) part_of[i] = root(i);
+  part_first.clear();
+  std::uint32_t count = 0;
+  for (std::uint32_t i = 0; i < n; ++i)  // a root comes first of its part
+    part_of[i] = part_of[i] == i ? count++ : part_of[part_of[i]];
+  part_first.assign(count + 1, 0), part_points.resize(n);
+  for (const std::uint32_t p : part_of) ++part_first[p + 1];
+  for (std::uint32_t p = 0; p < count; ++p) part_first[p + 1] += part_first[p];
+  std::vector<std::uint32_t> at(part_first.begin(), part_first.end());
+  for (std::uint32_t i = 0; i < n; ++i) part_points[at[part_of[i]]++] = i;
 }
 
 void make_tetrahedra(const SoftDesc& d, const std::string& owner, SoftMesh& m) {

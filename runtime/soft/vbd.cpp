@@ -35,8 +35,8 @@ class SoftVbd final : public SoftSolver {
  public:
   SoftVbd(Arena& a, const Params& p)
       : iterations_(p.integer({"iterations", "", {1, 10'000}}, 5)),
-        relaxation_(p.real({"relaxation", "", {0, 2, true}}, 1)), batches_(a), points_(&a), tets_(&a), colors_(&a),
-        force_(&a) {
+        relaxation_(p.real({"relaxation", "", {0, 2, true}}, 1)), batches_(a), points_(&a), tets_(&a), of_lane_(&a),
+        colors_(&a), force_(&a) {
     const bool wide = wide_kernels(p);
     batches_.pick(wide);
 #if defined(__x86_64__) || defined(__i386__)
@@ -58,8 +58,6 @@ class SoftVbd final : public SoftSolver {
     build(v);
     kernels_ = find(*v.law);
     FEDER_ASSERT(kernels_);
-    afloat_ = true;
-    for (std::uint32_t i = 0; i < v.points; ++i) afloat_ = afloat_ && v.delta_position[i].w != 0;
     for (SoftPointBatch& b : points_)
       for (int n = 0; n < kLanes; ++n) {
         const Real w = v.delta_position[b.self[n]].w;
@@ -89,7 +87,7 @@ class SoftVbd final : public SoftSolver {
       d.set(goal(i) - (h * h) * held_back(v.acceleration[i], d.w * force_[i].vec()));
     });
     for (int k = 0; k < iterations_; ++k) run(p, kernels_->descend, c);
-    if (afloat_) put_back(v, goal);
+    for (std::uint32_t n = 0; n < v.mesh->parts(); ++n) put_back(v, v.mesh->part(n), goal);
     each_point(v, c, [&](std::uint32_t i) {
       Row4& d = v.delta_position[i];
       if (d.w != 0) v.velocity[i].add((d.vec() - goal(i)) / h);
@@ -172,44 +170,52 @@ class SoftVbd final : public SoftSolver {
   }
 
   // What sweeps that have not converged, and forces where the solver substep ends, add to momentum and, about where it
-  // began, to angular momentum.
+  // began, to angular momentum of a part that nothing holds.
   template <class F>
-  void put_back(const SoftView& v, F&& goal) {
-    const auto place = [&](std::uint32_t i) { return Vec3(v.position[i] - v.position[0] + v.before[i].vec()); };
-    const auto mass = [&](std::uint32_t i) { return 1 / v.delta_position[i].w; };
+  void put_back(const SoftView& v, std::span<const std::uint32_t> part, F&& goal) {
+    const auto place = [&](std::uint32_t k) {
+      return Vec3(v.position[part[k]] - v.position[part[0]] + v.before[part[k]].vec());
+    };
+    const auto mass = [&](std::uint32_t k) { return 1 / v.delta_position[part[k]].w; };
+    const auto count = static_cast<std::uint32_t>(part.size());
     Double3 off{0, 0, 0}, middle{0, 0, 0}, gained{0, 0, 0};  // kg m, kg m, kg m^2
     double total = 0;
-    for (std::uint32_t i = 0; i < v.points; ++i) {
-      const double m = double(mass(i));
-      const Double3 d = m * wide(v.delta_position[i].vec() - goal(i)), r = wide(place(i));
+    for (std::uint32_t k = 0; k < count; ++k) {
+      if (v.delta_position[part[k]].w == 0) return;
+      const double m = double(mass(k));
+      const Double3 d = m * wide(v.delta_position[part[k]].vec() - goal(part[k])), r = wide(place(k));
       off = off + d, middle = middle + m * r, gained = gained + cross(r, d);
       total += m;
     }
     const Vec3 back = narrow((-1 / total) * off);
-    for (std::uint32_t i = 0; i < v.points; ++i) v.delta_position[i].add(back);
+    for (const std::uint32_t i : part) v.delta_position[i].add(back);
     gained = gained - (1 / total) * cross(middle, off);
-    take_out_spin(narrow(gained), v.points, static_cast<Real>(total), 0, mass, place,
-                  [&](std::uint32_t i, const Vec3& change) { v.delta_position[i].add(change); });
+    take_out_spin(narrow(gained), count, static_cast<Real>(total), 0, mass, place,
+                  [&](std::uint32_t k, const Vec3& change) { v.delta_position[part[k]].add(change); });
   }
 
+  void reshape(const SoftView& v);
   void build(const SoftView& v);
 
   int iterations_;
   Real relaxation_;
   const SoftPointKernels *table_ = kSoftPointsPlain, *kernels_ = nullptr;
   SoftBatches batches_;  // damping
-  std::uint64_t version_ = ~std::uint64_t(0);
+  std::uint64_t version_ = ~std::uint64_t(0), shape_ = 0;
   Array<SoftPointBatch> points_;  // by colour
   Array<SoftPointTet> tets_;      // by batch
+  Array<std::uint32_t> of_lane_;  // by lane of those: the tetrahedron, or kNone
   Array<Range> colors_;
   Array<Row4> force_;  // by point, N
   JobPool::Stage stages_[kMaxSweepStages];
-  bool afloat_ = false;  // nothing holds it
-  Real step_ = 0;        // s, of the last solver substep
+  Real step_ = 0;  // s, of the last solver substep
 };
 
 void SoftVbd::build(const SoftView& v) {
-  if (version_ == v.version) return;
+  if (version_ == v.version) {
+    if (shape_ != v.shape) reshape(v);
+    return;
+  }
   version_ = v.version;
   const SoftMesh& mesh = *v.mesh;
   std::vector<std::vector<std::uint32_t>> at(v.points);  // tetrahedra by point
@@ -230,7 +236,7 @@ void SoftVbd::build(const SoftView& v) {
     count = std::max(count, lowest + 1);
   }
   // batches, colour after colour; points of as many tetrahedra side by side
-  points_.clear(), tets_.clear(), colors_.clear();
+  points_.clear(), tets_.clear(), of_lane_.clear(), colors_.clear();
   std::vector<std::uint32_t> members;
   for (std::uint32_t n = 0; n < count; ++n) {
     members.clear();
@@ -251,23 +257,14 @@ void SoftVbd::build(const SoftView& v) {
           const std::uint32_t i = b.self[lane];
           for (auto& other : t.other) other[lane] = i;
           t.gradient[0].x.v[lane] = t.gradient[1].y.v[lane] = t.gradient[2].z.v[lane] = 1;
-          if (i >= v.points || k >= at[i].size()) continue;
-          const std::uint32_t tet = at[i][k];
+          of_lane_.push_back(i < v.points && k < at[i].size() ? at[i][k] : kNone);
+          const std::uint32_t tet = of_lane_.back();
+          if (tet == kNone) continue;
           const TetrahedronPoints& corners = mesh.tetrahedra[tet];
           t.volume.v[lane] = mesh.volume[tet];
           std::size_t next = 0;
-          for (std::size_t c = 0; c < 4; ++c) {
-            if (corners[c] == i) continue;
-            Vec3 g = Vec3::Zero();
-            for (std::size_t j = 1; j < 4; ++j) {
-              const Real* row = &mesh.inverse[9 * tet + 3 * (j - 1)];
-              if (c == j) g = Vec3(row[0], row[1], row[2]);
-              if (c == 0) g -= Vec3(row[0], row[1], row[2]);
-            }
-            t.other[next][lane] = corners[c];
-            put(t.gradient[next], static_cast<int>(lane), g);
-            ++next;
-          }
+          for (const std::uint32_t j : corners)
+            if (j != i) t.other[next++][lane] = j;
         }
         tets_.push_back(t);
       }
@@ -277,6 +274,26 @@ void SoftVbd::build(const SoftView& v) {
     colors_.push_back({first, static_cast<std::uint32_t>(points_.size())});
   }
   force_.assign(std::size_t(v.points) + 1, Row4{});
+  reshape(v);
+}
+
+// Gradients of the other corners' weights, as they are now.
+void SoftVbd::reshape(const SoftView& v) {
+  shape_ = v.shape;
+  const SoftMesh& mesh = *v.mesh;
+  for (const SoftPointBatch& b : points_)
+    for (std::size_t n = std::size_t(b.first) * kLanes; n < std::size_t(b.last) * kLanes; ++n) {
+      const std::uint32_t tet = of_lane_[n];
+      if (tet == kNone) continue;
+      const Real* rows = &mesh.inverse[9 * std::size_t(tet)];
+      const auto row = [&](std::size_t c) { return Vec3(rows[3 * c - 3], rows[3 * c - 2], rows[3 * c - 1]); };
+      const std::size_t lane = n % kLanes;
+      std::size_t next = 0;
+      for (std::size_t c = 0; c < 4; ++c)
+        if (mesh.tetrahedra[tet][c] != b.self[lane])
+          put(tets_[n / kLanes].gradient[next++], static_cast<int>(lane),
+              c > 0 ? row(c) : Vec3(-row(1) - row(2) - row(3)));
+    }
 }
 
 }  // namespace

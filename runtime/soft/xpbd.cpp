@@ -64,23 +64,30 @@ class SoftXpbd final : public SoftSolver {
   static constexpr double kRounding = 1.0001;
 
   // Rows push along gradients at positions that they move, which is a torque about those where the solver substep
-  // began; of a body that nothing holds it is taken out as a rotation of the whole.
+  // began; of a part that nothing holds it is taken out as a rotation of it.
   void solve_remainder(const SoftView& v, Real h, StepContext& c) {
     predicted_.resize(v.points);
     std::copy(v.delta_position, v.delta_position + v.points, predicted_.begin());
     batches_.solve_remainder(v, h, c);
-    const auto place = [&](std::uint32_t i) { return Vec3(v.position[i] - v.position[0] + v.before[i].vec()); };
+    for (std::uint32_t n = 0; n < v.mesh->parts(); ++n) take_out(v, v.mesh->part(n));
+  }
+
+  void take_out(const SoftView& v, std::span<const std::uint32_t> part) {
+    const auto place = [&](std::uint32_t k) {
+      return Vec3(v.position[part[k]] - v.position[part[0]] + v.before[part[k]].vec());
+    };
+    const auto mass = [&](std::uint32_t k) { return 1 / predicted_[part[k]].w; };
+    const auto count = static_cast<std::uint32_t>(part.size());
     Vec3 gained = Vec3::Zero();  // kg m^2
     Real total = 0;
-    for (std::uint32_t i = 0; i < v.points; ++i) {
+    for (std::uint32_t k = 0; k < count; ++k) {
+      const std::uint32_t i = part[k];
       if (predicted_[i].w == 0) return;
-      const Real mass = 1 / predicted_[i].w;
-      gained += mass * cross(place(i), Vec3(v.delta_position[i].vec() - predicted_[i].vec()));
-      total += mass;
+      gained += mass(k) * cross(place(k), Vec3(v.delta_position[i].vec() - predicted_[i].vec()));
+      total += mass(k);
     }
-    take_out_spin(
-        gained, v.points, total, 0, [&](std::uint32_t i) { return 1 / predicted_[i].w; }, place,
-        [&](std::uint32_t i, const Vec3& change) { v.delta_position[i].add(change); });
+    take_out_spin(gained, count, total, 0, mass, place,
+                  [&](std::uint32_t k, const Vec3& change) { v.delta_position[part[k]].add(change); });
   }
 
   // The solver substep in which damping acts in this substep. Always the same one would spare modes that stand still

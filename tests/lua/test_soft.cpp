@@ -50,6 +50,44 @@ TEST_CASE("what finds contacts of a soft body with itself is named", "[lua][soft
          "sphere_tree\n");
 }
 
+TEST_CASE("a soft body breaks in parts, and an event says where", "[lua][soft]") {
+  CHECK(output_of(R"(
+    world:set_gravity(0, 0, 0)
+    local bar = world:soft{ name = "bar", shape = feder.box(1, 0.25, 0.25), resolution = 4, damping = 0.02,
+      fracture_stress = 5e3 }
+    local points = bar:count()
+    for i = 1, points do bar:set_velocity(i, 2 * bar:rest_point(i), 0, 0) end
+    local seen
+    world:on("fracture", function(e) seen = seen or e:copy() end)
+    world:step(30)
+    print(bar:parts() >= 2, bar:count() > points, bar:part(1) == 1, bar:tension(1) < 5e3)
+    print(seen.kind, seen.object == bar, seen.index <= points, seen.part >= 1, seen.force > 0, math.abs(seen.x) < 0.5)
+    print(pcall(bar.part, bar, bar:count() + 1))
+  )") == "true\ttrue\ttrue\ttrue\nfracture\ttrue\ttrue\ttrue\ttrue\ttrue\n");
+}
+
+TEST_CASE("a soft body that flows keeps a new shape, and says what plastic is made of", "[lua][soft]") {
+  CHECK(output_of(R"(
+    world:set_gravity(0, 0, 0)
+    local clay = world:soft{ shape = feder.box(0.2, 0.2, 0.2), resolution = 2, plastic = { yield = 0.02, flow = 50 } }
+    for i = 1, clay:count() do
+      local x, y, z = clay:rest_point(i)
+      clay:pin(i)
+      clay:set_point(i, 1.21 * x, y / 1.1, z / 1.1)
+    end
+    world:step(60)
+    for i = 1, clay:count() do clay:unpin(i) end
+    world:step(120)
+    local long = 0
+    for i = 1, clay:count() do long = math.max(long, 2 * clay:point(i)) end
+    print(math.abs(long / 0.2 - 1.21 / math.exp(0.02)) < 0.005)
+    for _, plastic in ipairs{ { yield = 0.1 }, { yield = -1, flow = 1 }, 3 } do
+      print(pcall(function() world:soft{ shape = feder.box(1, 1, 1), plastic = plastic } end))
+    end
+    print(pcall(function() world:soft{ shape = feder.box(1, 1, 1), fracture_stress = 0 } end))
+  )") == "");
+}
+
 TEST_CASE("a rope, a cloth, a net and a body hang from a soft body", "[lua][soft]") {
   CHECK(output_of(R"(
     local jelly = world:soft{ shape = feder.box(0.2, 0.2, 0.2), resolution = 2, position = {0, 3, 0}, young = 1e5 }

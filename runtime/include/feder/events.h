@@ -27,6 +27,7 @@ struct EventKind : Name<EventKind> {
     kCause = 512,   // of a wake
     kText = 1024,   // code and message
     kAlone = 2048,  // no object
+    kPart = 4096,   // of a
   };
   constexpr EventKind(const char* name, std::uint32_t what) : Name(name), fields(what) {}
   constexpr bool has(std::uint32_t any) const { return (fields & any) != 0; }
@@ -70,6 +71,7 @@ struct Event {
   Real impulse = 0;            // accumulated normal impulse of the step, N s
   Real slip = 0;               // tangential speed at the contact, m/s (contact_stay)
   Real force = 0;              // N (breaks)
+  std::uint32_t part = 0;      // of `a` (counts from 0)
   std::uint32_t text = kNone;  // warning: index into Events::text
 };
 

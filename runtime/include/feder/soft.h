@@ -15,6 +15,8 @@ namespace feder {
 
 inline constexpr ObjectKind kSoftKind{"soft", "soft_bodies"};
 inline constexpr WakeCause kSoftCause{"soft"};
+// A point split; index: it; part: the one that the new point beside it belongs to; force: of the stress there, N.
+inline constexpr EventKind kFracture{"fracture", EventKind::kPlace | EventKind::kForce | EventKind::kPart};
 
 std::string default_soft_solver();
 std::string default_elasticity();
@@ -47,6 +49,9 @@ struct SoftDesc {
   Params solver_options;
   std::string elasticity = default_elasticity();  // neo_hookean, or the first of this build
   std::vector<std::uint32_t> pins;                // points from 0
+  // Plastic flow: elastic shear beyond the strain `yield` goes over into the shape at rest at the rate `flow`, 1/s.
+  Real yield = kInfinity, flow = 0;
+  Real fracture_stress = kInfinity;  // Pa: more tension splits the body between tetrahedra
 
   // Calls f(field) for all of them, in this order.
   template <class D, class F>
@@ -55,7 +60,7 @@ struct SoftDesc {
     f(d.angular_velocity), f(d.density), f(d.young), f(d.poisson), f(d.damping), f(d.thickness), f(d.friction);
     f(d.self_collision), f(d.self), f(d.gravity_scale), f(d.group), f(d.mask), f(d.substeps), f(d.max_substeps),
         f(d.solver);
-    f(d.solver_options), f(d.elasticity), f(d.pins);
+    f(d.solver_options), f(d.elasticity), f(d.pins), f(d.yield), f(d.flow), f(d.fracture_stress);
   }
 };
 
@@ -101,7 +106,12 @@ class Soft final : public System {
   // Largest elongation or shortening along any direction in tetrahedron k, or, for all, the largest.
   Real strain(ObjectId soft, std::size_t k) const;
   Real max_strain(ObjectId soft) const;
-  std::size_t inverted(ObjectId soft) const;  // tetrahedra that are turned inside out now
+  // Largest tension along any direction at point i, the mean of the Cauchy stress of the tetrahedra round it, Pa.
+  Real tension(ObjectId soft, std::size_t i) const;
+  // Parts are what tetrahedra connect, numbered from 0 in the order of their first points.
+  std::size_t part_count(ObjectId soft) const;
+  std::size_t part(ObjectId soft, std::size_t i) const;  // that point i belongs to
+  std::size_t inverted(ObjectId soft) const;             // tetrahedra that are turned inside out now
   // The tetrahedron that p lies in now, the first one, and its barycentric weights there; or kNoTetrahedron.
   std::size_t tetrahedron_at(ObjectId soft, const Vec3& p, std::array<double, 4>& weights) const;
   static constexpr std::size_t kNoTetrahedron = std::size_t(-1);
