@@ -58,7 +58,7 @@ const Method kSoftMethods[] = {
     {"point", method<&Soft::point>, "soft:point(i) -> x, y, z", "m"},
     {"rest_point", method<&Soft::rest_point>, "soft:rest_point(i) -> x, y, z", "where it lies unstrained, local, m"},
     {"tetrahedron", method<soft_tetrahedron>, "soft:tetrahedron(k) -> i, j, k, l", "its four points"},
-    {"tetrahedron_at", guard<soft_tetrahedron_at>, "soft:tetrahedron_at(x, y, z) -> k, a, b, c, d",
+    {"tetrahedron_at", guard<soft_tetrahedron_at>, "soft:tetrahedron_at(x, y, z) -> k, number, number, number, number",
      "the tetrahedron at a place in the world, and the barycentric weights of its points there; nil outside"},
     {"set_point", method<&Soft::set_point>, "soft:set_point(i, x, y, z) -> self", "puts a point there at once"},
     {"velocity", method<&Soft::velocity>, "soft:velocity(i) -> x, y, z", "m/s"},

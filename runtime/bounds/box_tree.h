@@ -5,10 +5,10 @@
 #pragma once
 #include <algorithm>
 #include <bit>
-#include <cstring>
 #include <span>
 #include <vector>
 
+#include "bounds/box_block.h"
 #include "bounds/box_query.h"
 #include "feder/error.h"
 #include "feder/memory.h"
@@ -112,12 +112,8 @@ class BoxTree {
     std::uint32_t last = 0;   // largest item below
   };
   static constexpr std::uint32_t kLeafBit = 0x80000000u, kFirstMask = 0x0fffffffu, kCountShift = 28;
-  struct Block {      // four boxes; unused: of NaN, which overlaps nothing
-    Real side[6][4];  // x from, x to, y from ...
-    void put(int k, const Aabb& box) {
-      for (int d = 0; d < 3; ++d) side[2 * d][k] = box.lo[d], side[2 * d + 1][k] = box.hi[d];
-    }
-  };
+  using Block = BoxBlock;
+  using Around = BoxAround;
   struct Four : Block {      // up to four nodes below one, in order
     std::uint32_t node[4];   // in nodes_
     std::uint32_t child[4];  // in fours_; a leaf: kLeafBit, its items less one, and its first item
@@ -142,29 +138,6 @@ class BoxTree {
       stack[top++] = n.first + 1;
       stack[top++] = n.first;
     }
-  }
-  using Sides [[gnu::vector_size(4 * sizeof(Real))]] = Real;
-  struct Around {  // one box, four times
-    explicit Around(const Aabb& b) {
-      for (int d = 0; d < 3; ++d) lo[d] = Sides{} + b.lo[d], hi[d] = Sides{} + b.hi[d];
-    }
-    Sides lo[3], hi[3];
-  };
-  // Four boxes against one, a bit each.
-  static unsigned overlapping(const Block& four, const Around& box) {
-    auto overlap = Sides{} == Sides{};
-    for (int d = 0; d < 3; ++d) {
-      Sides lo, hi;
-      std::memcpy(&lo, four.side[2 * d], sizeof lo), std::memcpy(&hi, four.side[2 * d + 1], sizeof hi);
-      overlap &= (lo <= box.hi[d]) & (hi >= box.lo[d]);
-    }
-#if defined(__SSE__) && !defined(FEDER_REAL_DOUBLE)
-    return static_cast<unsigned>(__builtin_ia32_movmskps(reinterpret_cast<Sides>(overlap)));
-#else
-    unsigned bits = 0;
-    for (unsigned k = 0; k < 4; ++k) bits |= static_cast<unsigned>(overlap[k] & 1) << k;
-    return bits;
-#endif
   }
   template <class F>
   void query_leaf(std::uint32_t first, std::uint32_t count, const Around& box, F&& visit) const {

@@ -3,11 +3,11 @@
 #include "bounds/sphere_tree.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <cstring>
 #include <limits>
 
-#include "bounds/box_query.h"
 #include "feder/error.h"
 
 namespace feder {
@@ -77,11 +77,10 @@ void SphereTree::fit_inner(Node& node) {
 
 void SphereTree::build(std::span<const Aabb> boxes) {
   const auto count = static_cast<std::uint32_t>(boxes.size());
-  nodes_.clear(), sort_.clear(), side_.clear();
-  is_side_.assign(count, 0);
+  nodes_.clear(), sort_.clear(), side_.clear(), leaf_.clear();
   for (std::uint32_t i = 0; i < count; ++i) {
     if (!in_sphere_range(boxes[i])) {
-      side_.push_back(i), is_side_[i] = 1;
+      side_.push_back(i);
       continue;
     }
     const Vec3 middle = Real(0.5) * (boxes[i].lo + boxes[i].hi);
@@ -93,17 +92,19 @@ void SphereTree::build(std::span<const Aabb> boxes) {
   built_cost_ = 0;
   if (inside == 0) return parent_.clear(), stale_.clear();
   nodes_.reserve(inside), parent_.clear();
-  nodes_.push_back({{}, 0, inside, 0}), parent_.push_back(kNone);
+  nodes_.push_back({{}, 0, inside, inside}), parent_.push_back(kNone);
   for (std::uint32_t n = 0; n < nodes_.size(); ++n) split(n);
   for (std::uint32_t s = 0; s < inside; ++s) items_[s] = sort_[s].item;
   // std::nth_element leaves the order within a leaf to the library
   for (const Node& n : nodes_)
     if (n.count > 0) std::sort(items_.begin() + n.first, items_.begin() + n.first + n.count);
-  for (std::uint32_t s = 0; s < inside; ++s) kept_[s] = boxes[items_[s]];
-  for (std::size_t k = nodes_.size(); k-- > 0;) {
-    Node& n = nodes_[k];
-    n.last = n.count > 0 ? items_[n.first + n.count - 1] : std::max(nodes_[n.first].last, nodes_[n.first + 1].last);
-  }
+  leaf_.resize((inside + kLeaf - 1) / kLeaf), blocks_.resize(leaf_.size());
+  for (std::uint32_t k = 0; k < nodes_.size(); ++k)
+    if (nodes_[k].count > 0) leaf_[nodes_[k].first / kLeaf] = k;
+  const Vec3 none = Vec3::Constant(std::numeric_limits<Real>::quiet_NaN());
+  for (std::uint32_t s = 0; s < inside; ++s) keep(s, boxes[items_[s]]);
+  for (std::uint32_t s = inside; s < kLeaf * blocks_.size(); ++s)
+    blocks_[s / kLeaf].put(static_cast<int>(s % kLeaf), Aabb{none, none});
   stale_.assign(nodes_.size(), 1);
   refit();
   built_cost_ = cost();
@@ -124,8 +125,8 @@ void SphereTree::split(std::uint32_t node) {
     return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.item < b.item;
   });
   const auto child = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.push_back({{}, first, half, 0}), parent_.push_back(node);
-  nodes_.push_back({{}, first + half, count - half, 0}), parent_.push_back(node);
+  nodes_.push_back({{}, first, half, first + half}), parent_.push_back(node);
+  nodes_.push_back({{}, first + half, count - half, first + count}), parent_.push_back(node);
   nodes_[node].first = child, nodes_[node].count = 0;
 }
 
@@ -149,7 +150,7 @@ bool SphereTree::renew_leaf(Node& leaf, std::span<const Aabb> boxes) {
     const Aabb& box = boxes[items_[s]];
     if (same_box(kept_[s], box)) continue;
     if (!in_sphere_range(box)) return false;
-    kept_[s] = box, changed = true;
+    keep(s, box), changed = true;
   }
   if (!changed) return true;
   const Real wanted = farthest_corner(leaf, Vec3(leaf.center[0], leaf.center[1], leaf.center[2]));
@@ -175,62 +176,92 @@ double SphereTree::cost() const {
   return sum;
 }
 
-// Neighbours in number are so in space: one descent for a few of them. kSame: `a` is `b`, and pairs are a < b.
-template <bool kSame>
-void SphereTree::pairs(std::span<const Aabb> a, std::span<const Aabb> b, Array<BoxPair>& out) {
+// Leaves whose spheres meet this one, those that begin before `from` left out.
+void SphereTree::find_leaves(const Sphere& sphere, std::uint32_t from) {
+  found_.clear();
+  if (nodes_.empty()) return;
+  std::uint32_t stack[64];
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const std::uint32_t at = stack[--top];
+    const Node& n = nodes_[at];
+    if (n.end <= from || !meet(n, sphere)) continue;
+    if (n.count > 0)
+      found_.push_back(at);
+    else
+      stack[top++] = n.first, stack[top++] = n.first + 1;
+  }
+}
+
+void SphereTree::between(std::span<const Aabb> a, std::span<const Aabb> b, Array<BoxPair>& out) {
   FEDER_ASSERT(b.size() == items_.size() + side_.size());
+  constexpr std::uint32_t kTogether = 8;  // neighbours in number are so in space: one descent for a few of them
   out.clear();
   const auto count = static_cast<std::uint32_t>(a.size());
   for (std::uint32_t first = 0; first < count; first += kTogether) {
     const std::uint32_t end = std::min(first + kTogether, count);
     Aabb all;
-    bool some = false;
-    for (std::uint32_t i = first; i < end; ++i)
-      if (in_sphere_range(a[i])) all.include(a[i]), some = true;
     found_.clear();
-    if (some && !nodes_.empty()) {
-      const Sphere sphere = around(all);
-      std::uint32_t stack[64];
-      int top = 0;
-      stack[top++] = 0;
-      while (top > 0) {
-        const std::uint32_t at = stack[--top];
-        const Node& n = nodes_[at];
-        if ((kSame && n.last <= first) || !meet(n, sphere)) continue;
-        if (n.count > 0)
-          found_.push_back(at);
-        else
-          stack[top++] = n.first, stack[top++] = n.first + 1;
-      }
-    }
+    for (std::uint32_t i = first; i < end; ++i)
+      if (in_sphere_range(a[i])) all.include(a[i]);
+    if (!all.empty()) find_leaves(around(all), 0);
     for (std::uint32_t i = first; i < end; ++i) {
       const auto begin = static_cast<std::ptrdiff_t>(out.size());
-      const auto offer = [&](std::uint32_t j) {
-        if (!kSame || j > i) out.push_back({i, j});
-      };
       if (!in_sphere_range(a[i])) {
         for (std::uint32_t j = 0; j < b.size(); ++j)
-          if (overlaps(a[i], b[j])) offer(j);
+          if (overlaps(a[i], b[j])) out.push_back({i, j});
         continue;
       }
-      const Sphere sphere = around(a[i]);
-      const BoxQuery query(a[i]);
+      const BoxAround own(a[i]);
       for (const std::uint32_t leaf : found_) {
-        const Node& n = nodes_[leaf];
-        if ((kSame && n.last <= i) || !meet(n, sphere)) continue;
-        for (std::uint32_t s = n.first; s < n.first + n.count; ++s)
-          if (query.meets(kept_[s])) offer(items_[s]);
+        const std::uint32_t slot = nodes_[leaf].first;
+        for (unsigned hit = overlapping(blocks_[slot / kLeaf], own); hit != 0; hit &= hit - 1)
+          out.push_back({i, items_[slot + static_cast<std::uint32_t>(std::countr_zero(hit))]});
       }
       for (const std::uint32_t j : side_)
-        if (overlaps(a[i], b[j])) offer(j);
+        if (overlaps(a[i], b[j])) out.push_back({i, j});
       std::sort(out.begin() + begin, out.end());
     }
   }
 }
 
-void SphereTree::between(std::span<const Aabb> a, std::span<const Aabb> b, Array<BoxPair>& out) {
-  pairs<false>(a, b, out);
+// Each leaf with itself and with later ones.
+void SphereTree::within(std::span<const Aabb> boxes, Array<BoxPair>& out) {
+  FEDER_ASSERT(boxes.size() == items_.size() + side_.size());
+  unsorted_.clear();
+  const auto add = [&](std::uint32_t i, std::uint32_t j) { unsorted_.push_back({std::min(i, j), std::max(i, j)}); };
+  for (const std::uint32_t from : leaf_) {
+    const Node& a = nodes_[from];
+    find_leaves(a, a.first);
+    for (std::uint32_t s = a.first; s < a.end; ++s) {
+      const BoxAround own(kept_[s]);
+      for (const std::uint32_t leaf : found_) {
+        const std::uint32_t slot = nodes_[leaf].first;
+        unsigned hit = overlapping(blocks_[slot / kLeaf], own);
+        if (leaf == from) hit &= ~0u << (s - slot) << 1;  // later ones
+        for (; hit != 0; hit &= hit - 1)
+          add(items_[s], items_[slot + static_cast<std::uint32_t>(std::countr_zero(hit))]);
+      }
+    }
+  }
+  for (const std::uint32_t i : side_) {
+    for (const std::uint32_t j : items_)
+      if (overlaps(boxes[i], boxes[j])) add(i, j);
+    for (const std::uint32_t j : side_)
+      if (j > i && overlaps(boxes[i], boxes[j])) add(i, j);
+  }
+  sort_pairs(static_cast<std::uint32_t>(boxes.size()), out);
 }
-void SphereTree::within(std::span<const Aabb> boxes, Array<BoxPair>& out) { pairs<true>(boxes, boxes, out); }
+
+// A counting sort by the first, and each short run by the second.
+void SphereTree::sort_pairs(std::uint32_t count, Array<BoxPair>& out) {
+  start_.assign(count + 1, 0), out.resize(unsorted_.size());
+  for (const BoxPair& p : unsorted_) ++start_[p.a + 1];
+  for (std::uint32_t i = 0; i < count; ++i) start_[i + 1] += start_[i];
+  for (const BoxPair& p : unsorted_) out[start_[p.a]++] = p;  // start_ then says where runs end
+  for (std::uint32_t i = 0; i < count; ++i)
+    std::sort(out.begin() + (i > 0 ? start_[i - 1] : 0), out.begin() + start_[i]);
+}
 
 }  // namespace feder

@@ -9,6 +9,7 @@
 #pragma once
 #include <span>
 
+#include "bounds/box_block.h"
 #include "bounds/box_search.h"
 
 namespace feder {
@@ -18,7 +19,8 @@ namespace feder {
 class SphereTree {
  public:
   explicit SphereTree(Arena& a)
-      : nodes_(&a), parent_(&a), stale_(&a), items_(&a), kept_(&a), side_(&a), is_side_(&a), sort_(&a), found_(&a) {}
+      : nodes_(&a), parent_(&a), stale_(&a), leaf_(&a), items_(&a), kept_(&a), blocks_(&a), side_(&a), sort_(&a),
+        found_(&a), start_(&a), unsorted_(&a) {}
 
   // The boxes that the tree is of from now on.
   void update(std::span<const Aabb> boxes);
@@ -31,7 +33,7 @@ class SphereTree {
   std::uint64_t builds() const { return builds_; }         // since birth
 
  private:
-  static constexpr std::uint32_t kLeaf = 4, kTogether = 8;
+  static constexpr std::uint32_t kLeaf = 4;  // as a block has; only the last leaf is not full
   struct Sphere {
     Real center[3] = {};
     Real radius = 0;  // m
@@ -39,7 +41,7 @@ class SphereTree {
   struct Node : Sphere {
     std::uint32_t first = 0;  // leaf: in items_; else the first of two children
     std::uint32_t count = 0;  // leaf: items; else 0
-    std::uint32_t last = 0;   // largest item below
+    std::uint32_t end = 0;    // in items_, of all below
   };
   struct Middle {  // of an item's box
     Real at[3];
@@ -53,22 +55,28 @@ class SphereTree {
   void fit_leaf(Node& leaf);
   void fit_inner(Node& node);
   void refit();
+  void keep(std::uint32_t slot, const Aabb& box) {
+    kept_[slot] = box, blocks_[slot / kLeaf].put(static_cast<int>(slot % kLeaf), box);
+  }
   Real farthest_corner(const Node& leaf, const Vec3& from) const;
   double cost() const;
-  template <bool kSame>
-  void pairs(std::span<const Aabb> a, std::span<const Aabb> b, Array<BoxPair>& out);
+  void find_leaves(const Sphere& sphere, std::uint32_t from);
+  void sort_pairs(std::uint32_t count, Array<BoxPair>& out);
   static Sphere around(const Aabb& box);
   static bool meet(const Sphere& a, const Sphere& b);
 
   Array<Node> nodes_;  // children lie side by side after their parent
   Array<std::uint32_t> parent_;
-  Array<std::uint8_t> stale_;    // by node: to be fitted
-  Array<std::uint32_t> items_;   // in the order of the leaves
-  Array<Aabb> kept_;             // their boxes
-  Array<std::uint32_t> side_;    // boxes that no sphere encloses, ascending: compared with all
-  Array<std::uint8_t> is_side_;  // by box
+  Array<std::uint8_t> stale_;   // by node: to be fitted
+  Array<std::uint32_t> leaf_;   // nodes: leaves, in order
+  Array<std::uint32_t> items_;  // in the order of the leaves
+  Array<Aabb> kept_;            // their boxes
+  Array<BoxBlock> blocks_;      // the same, four to a leaf
+  Array<std::uint32_t> side_;   // boxes that no sphere encloses, ascending: compared with all
   Array<Middle> sort_;
   Array<std::uint32_t> found_;  // leaves of the descent under way
+  Array<std::uint32_t> start_;  // work memory of sort_pairs
+  Array<BoxPair> unsorted_;
   double built_cost_ = 0;
   std::uint64_t updates_ = 0, builds_ = 0;
 };

@@ -1,7 +1,8 @@
-// Grids of cells of 2^n m in one hash table: a box lies in one cell, that of its middle, of the grid whose cells are as
-// wide as it or up to twice that; it is looked for in each grid that is in use. Source: Ericson, "Real-Time Collision
-// Detection" (2005), 7.2.1; the hash of cells is that of the searches of particles (bounds/cells.h).
-// Kept between calls: memory. Weak spot: boxes of many different sizes, as each size is a grid to look into.
+// Grids of cells of 2^n m in one hash table: a box lies in one cell, that of its middle, of the grid whose cells
+// are 1.5 to 3 times as wide as it; it meets boxes of that grid and of coarser ones, where it covers few cells. Source:
+// Ericson, "Real-Time Collision Detection" (2005), 7.2.1; the hash of cells is that of the searches of particles
+// (bounds/cells.h). Kept between calls: memory. Weak spot: boxes of many different sizes, as each size is a grid to
+// look into.
 #include "bounds/box_query.h"
 #include "bounds/cells.h"
 #include "bounds/counting_sort.h"
@@ -23,16 +24,16 @@ class HashGridIndex {
     for (const std::uint32_t i : listed)
       farthest =
           std::fmax(farthest, static_cast<double>(boxes[i].lo.cwiseAbs().cwiseMax(boxes[i].hi.cwiseAbs()).maxCoeff()));
-    const int least = exponent(farthest) - kBits;  // cells whose numbers a double counts without rounding
+    least_ = exponent(farthest) - kBits;  // cells whose numbers a double counts without rounding
     for (const std::uint32_t i : listed) {
       const Aabb& b = boxes[i];
-      const int level = std::max(exponent(static_cast<double>(Vec3(b.hi - b.lo).maxCoeff())), least);
-      const std::uint32_t n = level_number(level);
+      const std::uint32_t n = level_number(exponent_of(b));
       Entry e{};
       e.item = i, e.level = n;
       for (int k = 0; k < 3; ++k)
         e.cell[k] = cell_number(0.5 * (static_cast<double>(b.lo[k]) + static_cast<double>(b.hi[k])), levels_[n].inv);
       entry_.push_back(e), levels_[n].bounds.include(b), ++levels_[n].count;
+      levels_[n].reach = std::fmax(levels_[n].reach, 0.5 * side(b));
     }
     std::size_t buckets = 64;
     while (buckets < 2 * entry_.size()) buckets *= 2;
@@ -54,6 +55,18 @@ class HashGridIndex {
         });
   }
 
+  static constexpr bool kFinerFinds = true;
+  template <class F>
+  void pairs_of(const Aabb& box, F&& visit) const {
+    const BoxQuery wanted(box);
+    const int own = exponent_of(box);
+    for (std::uint32_t n = 0; n < levels_.size(); ++n)
+      if (levels_[n].exponent >= own && overlaps(levels_[n].bounds, box))
+        each_near(n, box, [&](std::size_t k) {
+          if (wanted.meets(boxes_[k])) visit(sorted_[k].item, levels_[n].exponent > own);
+        });
+  }
+
   template <class F>
   void query_ray(const Vec3& origin, const Vec3& ray, F&& visit) const {
     for (std::uint32_t n = 0; n < levels_.size(); ++n) {
@@ -67,6 +80,7 @@ class HashGridIndex {
 
  private:
   static constexpr int kBits = 40;
+  static constexpr double kWider = 1.5;
   struct Entry {
     CellNumber cell[3];
     std::uint32_t item, level;  // level: in levels_
@@ -75,6 +89,7 @@ class HashGridIndex {
     int exponent = 0;
     double inv = 1;  // 1/m, of the width of its cells
     std::uint32_t count = 0;
+    double reach = 0;  // m, half of its largest box
     Aabb bounds;
   };
 
@@ -84,10 +99,12 @@ class HashGridIndex {
     const int n = std::ilogb(size);
     return std::ldexp(1.0, n) < size ? n + 1 : n;
   }
-  std::uint32_t level_number(int exponent_of) {
+  static double side(const Aabb& b) { return static_cast<double>(Vec3(b.hi - b.lo).maxCoeff()); }
+  int exponent_of(const Aabb& b) const { return std::max(exponent(kWider * side(b)), least_); }
+  std::uint32_t level_number(int wanted) {
     for (std::uint32_t n = 0; n < levels_.size(); ++n)
-      if (levels_[n].exponent == exponent_of) return n;
-    levels_.push_back({exponent_of, std::ldexp(1.0, -exponent_of), 0, Aabb()});
+      if (levels_[n].exponent == wanted) return n;
+    levels_.push_back({wanted, std::ldexp(1.0, -wanted), 0, 0, Aabb()});
     return static_cast<std::uint32_t>(levels_.size() - 1);
   }
   std::size_t bucket(std::uint32_t level, const CellNumber* c) const {
@@ -107,7 +124,7 @@ class HashGridIndex {
     CellNumber from[3], to[3];
     double count = 1;
     for (int k = 0; k < 3; ++k) {
-      const double half = 0.501 / of.inv;
+      const double half = of.reach + 1e-3 / of.inv;
       const double lo = std::fmax(static_cast<double>(box.lo[k]), static_cast<double>(of.bounds.lo[k])),
                    hi = std::fmin(static_cast<double>(box.hi[k]), static_cast<double>(of.bounds.hi[k]));
       from[k] = cell_number(lo - half, of.inv), to[k] = cell_number(hi + half, of.inv);
@@ -132,6 +149,7 @@ class HashGridIndex {
   Array<Aabb> boxes_;    // theirs
   Array<Level> levels_;
   std::size_t mask_ = 63;
+  int least_ = 0;  // exponent of the finest cells
 };
 
 }  // namespace

@@ -12,12 +12,14 @@ namespace feder {
 // `Index` answers over those boxes that are bounded:
 //  - build(boxes, listed, jobs): of the boxes with the numbers `listed`;
 //  - query(box, visit): visit(i) once for each that overlaps `box`;
+//  - kFinerFinds, if it has it: pairs_of(box, visit) takes the place of query for pairs: visit(i, once) where `once`
+//    says that the query of i does not find this box;
 //  - query_ray(origin, ray, visit): visit(i) at least once for each that the segment hits, and for others.
 template <class Index>
 class RebuiltPhase final : public BroadPhase {
  public:
   explicit RebuiltPhase(Arena& arena)
-      : arena_(&arena), boxes_(&arena), motion_(&arena), listed_(&arena), side_(&arena), moving_(&arena), index_(arena),
+      : arena_(&arena), boxes_(&arena), motion_(&arena), listed_(&arena), side_(&arena), asking_(&arena), index_(arena),
         sorter_(arena) {}
 
   void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion, std::span<const std::uint32_t>,
@@ -26,7 +28,7 @@ class RebuiltPhase final : public BroadPhase {
     motion_.assign(motion.begin(), motion.end());
     list_boxes();
     index_.build(boxes_, listed_, jobs);
-    query_moving(pairs, jobs);
+    query_pairs(pairs, jobs);
     pair_side(pairs);
     sorter_.sort(pairs, static_cast<std::uint32_t>(boxes.size()), jobs);
   }
@@ -64,7 +66,7 @@ class RebuiltPhase final : public BroadPhase {
   }
 
   void list_boxes() {
-    listed_.clear(), side_.clear(), moving_.clear();
+    listed_.clear(), side_.clear(), asking_.clear();
     for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
       if (motion_[i] == BoxMotion::absent) continue;
       if (!regular(boxes_[i])) {
@@ -72,25 +74,33 @@ class RebuiltPhase final : public BroadPhase {
         continue;
       }
       listed_.push_back(i);
-      if (motion_[i] == BoxMotion::moving) moving_.push_back(i);
+      if (motion_[i] == BoxMotion::moving || requires { Index::kFinerFinds; }) asking_.push_back(i);
     }
   }
 
+  template <class F>
+  void pairs_of(std::uint32_t i, F&& report) const {
+    if constexpr (requires { Index::kFinerFinds; })
+      index_.pairs_of(boxes_[i], [&](std::uint32_t j, bool once) {
+        if (j != i && (once || j > i) && (motion_[i] == BoxMotion::moving || motion_[j] == BoxMotion::moving))
+          report(j);
+      });
+    else
+      index_.query(boxes_[i], [&](std::uint32_t j) {
+        if (j > i || (j < i && motion_[j] == BoxMotion::still)) report(j);
+      });
+  }
+
   // Of two that move the lower number reports.
-  void query_moving(Array<IndexPair>& pairs, JobPool& jobs) {
+  void query_pairs(Array<IndexPair>& pairs, JobPool& jobs) {
     while (found_by_.size() < static_cast<std::size_t>(jobs.threads())) found_by_.emplace_back(arena_);
     for (Array<IndexPair>& found : found_by_) found.clear(), found.reserve(pairs.capacity());
-    jobs.for_blocks(static_cast<std::uint32_t>(moving_.size()), kQueryGrain,
+    jobs.for_blocks(static_cast<std::uint32_t>(asking_.size()), kQueryGrain,
                     [&](std::uint32_t first, std::uint32_t last, int worker) {
                       Array<IndexPair>& found = found_by_[static_cast<std::size_t>(worker)];
                       for (std::uint32_t n = first; n < last; ++n) {
-                        const std::uint32_t i = moving_[n];
-                        index_.query(boxes_[i], [&](std::uint32_t j) {
-                          if (j > i)
-                            found.push_back({i, j});
-                          else if (j < i && motion_[j] == BoxMotion::still)
-                            found.push_back({j, i});
-                        });
+                        const std::uint32_t i = asking_[n];
+                        pairs_of(i, [&](std::uint32_t j) { found.push_back({std::min(i, j), std::max(i, j)}); });
                       }
                     });
     pairs.clear();
@@ -114,7 +124,7 @@ class RebuiltPhase final : public BroadPhase {
   Array<Aabb> boxes_;
   Array<BoxMotion> motion_;
   Array<std::uint32_t> listed_, side_;  // bounded ones and others, both ascending
-  Array<std::uint32_t> moving_;         // of listed_
+  Array<std::uint32_t> asking_;         // those of listed_ whose queries give pairs
   Index index_;
   std::vector<Array<IndexPair>> found_by_;  // by worker
   PairSort sorter_;

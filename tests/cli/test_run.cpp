@@ -1,5 +1,6 @@
 // feder run, explain, bench, check, new: what they print and how they end.
 #include <algorithm>
+#include <sstream>
 
 #include "cli/program.h"
 #include "support/catch.h"
@@ -54,6 +55,27 @@ TEST_CASE("standard output that cannot be written is a failure of every command"
     CHECK(o.err.find("cannot be written") + o.err.find("cannot write") != 2 * std::string::npos);
     CHECK(count_lines(o.err) == 1);
   }
+}
+
+TEST_CASE("every broad phase gives the same run", "[cli]") {
+  const Program p;
+  const std::string scene = GENERATE("$S/mixed/everything.lua", "$S/rigid/planar_stack.lua");
+  const std::string run = "run " + scene + " --no-cache --json --steps 40 --world broad_phase=";
+  const Outcome wrong = p.run(run + "none");
+  const std::size_t from = wrong.err.find("known: ");
+  REQUIRE(from != std::string::npos);
+  std::istringstream known(wrong.err.substr(from + 7));
+  std::string name, hash;
+  std::size_t count = 0;
+  for (; known >> name; ++count) {
+    if (name.back() == ',') name.pop_back();
+    CAPTURE(scene, name);
+    const Outcome o = p.run(run + name);
+    REQUIRE(o.status == 0);
+    if (count == 0) hash = o.json()["hash"];
+    CHECK(o.json()["hash"] == hash);
+  }
+  CHECK(count > 1);
 }
 
 TEST_CASE("scenes lists the examples with titles and systems", "[cli]") {

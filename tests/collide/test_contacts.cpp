@@ -413,9 +413,9 @@ TEST_CASE("points of a net are one contact with a body, which tells the first", 
 }
 
 TEST_CASE("unknown choices name the known ones", "[collide]") {
-  REQUIRE_THROWS_AS(FakeWorld(1, "octree"), SceneError);
+  REQUIRE_THROWS_AS(FakeWorld(1, "oct_tree"), SceneError);
   try {
-    FakeWorld w(1, "octree");
+    FakeWorld w(1, "oct_tree");
   } catch (const SceneError& e) {
     for (const auto& row : broad_phases()) CHECK(std::string(e.what()).find(row.name) != std::string::npos);
   }
