@@ -137,7 +137,7 @@ TEST_CASE("every solver of soft bodies and every law of elasticity is there for 
       end
     end
   )") == "xpbd\tneo_hookean\nvbd\tneo_hookean\nvbd\tstvk\nimplicit\tneo_hookean\nimplicit\tcorotated\n"
-         "implicit\tstvk\n");
+         "implicit\tstvk\nmass_spring\tneo_hookean\n");
 }
 
 TEST_CASE("soft bodies that cannot be are errors with what was expected", "[lua][soft]") {

@@ -178,6 +178,26 @@ TEST_CASE("exported glTF is what the specification says", "[view][files]") {
   }
 }
 
+TEST_CASE("the skin of a soft body is exported with a morph target for each sample", "[view][files]") {
+  const feder::test::Program p;
+  p.write("scene.lua", R"(
+    local feder = require "feder"
+    return feder.scene { title = "Jelly", seconds = 0.5, build = function(world)
+      world:soft { name = "jelly", shape = feder.box(0.2, 0.2, 0.2), resolution = 2, position = { 0, 3, 0 } }
+    end })");
+  REQUIRE(p.run("export scene.lua -o a.gltf --fps 10").status == 0);
+  const auto gltf = nlohmann::json::parse(p.read("a.gltf"));
+  REQUIRE(gltf["meshes"].size() == 1);
+  CHECK(gltf["meshes"][0]["name"] == "jelly");
+  const auto& skin = gltf["meshes"][0]["primitives"][0];
+  CHECK(gltf["accessors"][skin["indices"].get<std::size_t>()]["count"] == 3 * 48);  // 6 faces of 4 squares
+  REQUIRE(skin["targets"].size() == 5);
+  // the last is half a second of free fall below
+  const auto& fallen = gltf["accessors"][skin["targets"][4]["POSITION"].get<std::size_t>()];
+  CHECK(fallen["min"][1].get<double>() == Approx(-0.5 * 9.81 * 0.25).epsilon(0.01));
+  CHECK(fallen["max"][1].get<double>() == Approx(-0.5 * 9.81 * 0.25).epsilon(0.01));
+}
+
 TEST_CASE("OBJ and PLY of a moment", "[view][files]") {
   const feder::test::Program p;
   p.write("scene.lua", kScene);
