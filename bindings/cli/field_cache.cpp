@@ -149,4 +149,15 @@ std::string program_stamp() {
   return failed ? std::string() : fmt::format("{} {}", time.time_since_epoch().count(), size);
 }
 
+ShapePtr sketch_field(const SdfDesc& desc) {
+  if (!desc.values.empty()) return make_sdf(desc);
+  SdfDesc sketch = desc;
+  sketch.spacing *= 4;
+  try {
+    return make_sdf(sketch);
+  } catch (const SceneError&) {
+    return make_sdf(desc);
+  }
+}
+
 }  // namespace feder::cli

@@ -29,6 +29,9 @@ class FieldCache {
   std::string stamp_;
 };
 
+// For a look at what a scene has: four times as coarse, unless it cannot be.
+ShapePtr sketch_field(const SdfDesc& desc);
+
 std::filesystem::path field_cache_folder();  // empty: there is no place for one
 std::string program_stamp();                 // changes with every build; empty where that cannot be known
 

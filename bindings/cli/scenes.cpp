@@ -3,10 +3,10 @@
 #include <cstdio>
 
 #include "cli/command.h"
+#include "cli/field_cache.h"
 #include "cli/scene_files.h"
 #include "cli/session.h"
 #include "cli/stop.h"
-#include "feder/sdf.h"
 #include "report/table.h"
 
 namespace feder::cli {
@@ -65,25 +65,13 @@ class Scenes final : public Command {
     return near.starts_with("..") ? whole.string() : near;
   }
 
-  // For a look at what a scene has, a distance field may be coarse, unless it cannot.
-  static ShapePtr make_sketch(const SdfDesc& whole) {
-    if (!whole.values.empty()) return make_sdf(whole);
-    SdfDesc sketch = whole;
-    sketch.spacing *= 4;
-    try {
-      return make_sdf(sketch);
-    } catch (const SceneError&) {
-      return make_sdf(whole);
-    }
-  }
-
   // Built, not run.
   static Example open(const std::string& file, const Options& options) {
     Example e;
     e.file = file;
     try {
       lua::HostOptions host = silent_host_options(options);
-      host.make_field = make_sketch;
+      host.make_field = sketch_field;
       Session session(std::move(host), nullptr, file);
       e.title = session.title();
       if (session.world()) e.systems = own_systems(*session.world());
