@@ -10,6 +10,7 @@
 
 #include "bounds/box_block.h"
 #include "bounds/box_query.h"
+#include "bounds/middles.h"
 #include "feder/error.h"
 #include "feder/memory.h"
 #include "feder/types.h"
@@ -118,10 +119,6 @@ class BoxTree {
     std::uint32_t node[4];   // in nodes_
     std::uint32_t child[4];  // in fours_; a leaf: kLeafBit, its items less one, and its first item
   };
-  struct Middle {  // of an item's box
-    Real at[3];
-    std::uint32_t item;
-  };
   template <class Test, class F>
   void descend(Test&& test, F&& visit_leaf) const {
     if (nodes_.empty()) return;
@@ -156,7 +153,7 @@ class BoxTree {
   Array<Four> fours_;    // the same tree, two levels at a time
   Array<Block> blocks_;  // boxes of the items, in that order
   Array<std::uint32_t> items_;
-  Array<Middle> sort_;           // in the order of items_
+  Array<BoxMiddle> sort_;        // in the order of items_
   Array<std::uint32_t> leaves_;  // of the descent under way
   std::span<const Aabb> boxes_;
   Real built_cost_ = 0;

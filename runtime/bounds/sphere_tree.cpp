@@ -113,17 +113,8 @@ void SphereTree::build(std::span<const Aabb> boxes) {
 void SphereTree::split(std::uint32_t node) {
   const std::uint32_t first = nodes_[node].first, count = nodes_[node].count;
   if (count <= kLeaf) return;
-  const auto begin = sort_.begin() + first, end = begin + count;
-  Real lo[3], hi[3];
-  for (int k = 0; k < 3; ++k) lo[k] = kInfinity, hi[k] = -kInfinity;
-  for (auto m = begin; m != end; ++m)
-    for (int k = 0; k < 3; ++k) lo[k] = std::min(lo[k], m->at[k]), hi[k] = std::max(hi[k], m->at[k]);
-  const Real size[3] = {hi[0] - lo[0], hi[1] - lo[1], hi[2] - lo[2]};
-  const int axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
   const std::uint32_t half = std::max((count / 2 + kLeaf / 2) / kLeaf, 1u) * kLeaf;
-  std::nth_element(begin, begin + half, end, [axis](const Middle& a, const Middle& b) {
-    return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.item < b.item;
-  });
+  divide_middles({sort_.data() + first, count}, half);
   const auto child = static_cast<std::uint32_t>(nodes_.size());
   nodes_.push_back({{}, first, half, first + half}), parent_.push_back(node);
   nodes_.push_back({{}, first + half, count - half, first + count}), parent_.push_back(node);

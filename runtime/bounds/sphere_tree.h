@@ -11,6 +11,7 @@
 
 #include "bounds/box_block.h"
 #include "bounds/box_search.h"
+#include "bounds/middles.h"
 
 namespace feder {
 
@@ -43,10 +44,6 @@ class SphereTree {
     std::uint32_t count = 0;  // leaf: items; else 0
     std::uint32_t end = 0;    // in items_, of all below
   };
-  struct Middle {  // of an item's box
-    Real at[3];
-    std::uint32_t item;
-  };
 
   void build(std::span<const Aabb> boxes);
   void split(std::uint32_t node);
@@ -73,7 +70,7 @@ class SphereTree {
   Array<Aabb> kept_;            // their boxes
   Array<BoxBlock> blocks_;      // the same, four to a leaf
   Array<std::uint32_t> side_;   // boxes that no sphere encloses, ascending: compared with all
-  Array<Middle> sort_;
+  Array<BoxMiddle> sort_;
   Array<std::uint32_t> found_;  // leaves of the descent under way
   Array<std::uint32_t> start_;  // work memory of sort_pairs
   Array<BoxPair> unsorted_;

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "bounds/box_query.h"
+#include "bounds/middles.h"
 #include "broad/rebuilt.h"
 
 namespace feder {
@@ -85,10 +86,6 @@ class KdTreeIndex {
     std::uint32_t first = 0, end = 0;   // leaf: its boxes; else first: of two children
     std::int32_t axis = kLeafAxis;
   };
-  struct Middle {
-    Real at[3];
-    std::uint32_t item;
-  };
 
   // What of the times from .. to has o + t r <= most.
   static void clip(double o, double r, double most, double& from, double& to) {
@@ -103,18 +100,8 @@ class KdTreeIndex {
   void split(std::uint32_t node, const Array<Aabb>& boxes) {
     const std::uint32_t first = nodes_[node].first, end = nodes_[node].end;
     if (end - first <= kLeaf) return;
-    Vec3 lo = Vec3::Constant(kInfinity), hi = -lo;
-    for (std::uint32_t k = first; k < end; ++k) {
-      const Vec3 c(sort_[k].at[0], sort_[k].at[1], sort_[k].at[2]);
-      lo = lo.cwiseMin(c), hi = hi.cwiseMax(c);
-    }
-    const Vec3 size = hi - lo;
-    const int axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
     const std::uint32_t half = first + (end - first) / 2;
-    std::nth_element(sort_.begin() + first, sort_.begin() + half, sort_.begin() + end,
-                     [axis](const Middle& a, const Middle& b) {
-                       return a.at[axis] != b.at[axis] ? a.at[axis] < b.at[axis] : a.item < b.item;
-                     });
+    const int axis = divide_middles({sort_.data() + first, end - first}, half - first);
     const auto child = static_cast<std::uint32_t>(nodes_.size());
     nodes_.push_back({0, 0, first, half, kLeafAxis}), nodes_.push_back({0, 0, half, end, kLeafAxis});
     Node& n = nodes_[node];
@@ -124,7 +111,7 @@ class KdTreeIndex {
   }
 
   Array<Node> nodes_;  // children lie side by side after their parent
-  Array<Middle> sort_;
+  Array<BoxMiddle> sort_;
   Array<std::uint32_t> item_;  // in the order of the leaves
   Array<Aabb> boxes_;          // theirs
 };

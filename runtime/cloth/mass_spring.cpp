@@ -14,6 +14,7 @@
 #include "cloth/batches.h"
 #include "feder/snapshot.h"
 #include "integrate/integrator.h"
+#include "integrate/limits.h"
 
 namespace feder {
 namespace {
@@ -38,41 +39,6 @@ bool has_integrator(std::string_view name) { return default_variant(integrators(
 std::string default_integrator() {
   if (!has_integrator("heun") && has_integrator("velocity_verlet")) return "velocity_verlet";
   return default_variant(integrators(), "heun");
-}
-
-// One point under g = 1: measures a method in free fall.
-class Falling final : public ForceField {
- public:
-  std::size_t count() const override { return 1; }
-  std::span<const Real> inv_mass() const override { return {&one_, 1}; }
-  std::span<const Real> mass() const override { return {&one_, 1}; }
-  void eval(std::span<const Vec3>, std::span<const Vec3>, double, std::span<Vec3> force) override {
-    force[0] = Vec3(1, 0, 0);
-  }
-  bool damped() const override { return false; }
-  bool stiff_damping(Real) const override { return false; }
-  void damping(std::span<const Vec3>, std::span<const Vec3>, double, BlockSparse& d) override { d.set_zero(); }
-  void jacobian(std::span<const Vec3>, std::span<const Vec3>, double, BlockSparse& k, BlockSparse& d) override {
-    k.set_zero(), d.set_zero();
-  }
-  void pattern(std::vector<BlockIndex>&) const override {}
-  std::uint64_t pattern_version() const override { return 1; }
-
- private:
-  Real one_ = 1;
-};
-
-// ClothSolver::lead, between the fourth and the eighth step, so that no start-up counts; in quarters: the rest is
-// rounding.
-Real measured_lead(Integrator& method) {
-  Falling field;
-  Vec3 x = Vec3::Zero(), v = Vec3::Zero();
-  Real at_four = 0;
-  for (int k = 0; k < 8; ++k) {
-    method.step(field, k, 1, {&x, 1}, {&v, 1});
-    if (k == 3) at_four = x[0];
-  }
-  return std::round((x[0] - at_four - Real(0.5 * (64 - 16))) / 4 * 4) / 4;
 }
 
 class MassSpring final : public ClothSolver, private ForceField {
@@ -158,7 +124,7 @@ class MassSpring final : public ClothSolver, private ForceField {
   static void take(Arena& a, const std::string& name, Method& method) {
     Params none;
     const Variant<Integrator>& row = find_variant(integrators(), name, "integrator");
-    method.lead = measured_lead(*row.make(a, none));
+    method.lead = free_fall_lead(*row.make(a, none));
     method.integrator = row.make(a, none);
   }
   // The largest h times the fastest angular frequency at which the method is used.

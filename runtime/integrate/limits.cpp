@@ -58,6 +58,28 @@ double run_excess(const Variant<Integrator>& method, const Params& options, doub
   return -1;
 }
 
+// One point under g = 1.
+class Falling final : public ForceField {
+ public:
+  std::size_t count() const override { return 1; }
+  std::span<const Real> inv_mass() const override { return {&one_, 1}; }
+  std::span<const Real> mass() const override { return {&one_, 1}; }
+  void eval(std::span<const Vec3>, std::span<const Vec3>, double, std::span<Vec3> force) override {
+    force[0] = Vec3(1, 0, 0);
+  }
+  bool damped() const override { return false; }
+  bool stiff_damping(Real) const override { return false; }
+  void damping(std::span<const Vec3>, std::span<const Vec3>, double, BlockSparse& d) override { d.set_zero(); }
+  void jacobian(std::span<const Vec3>, std::span<const Vec3>, double, BlockSparse& k, BlockSparse& d) override {
+    k.set_zero(), d.set_zero();
+  }
+  void pattern(std::vector<BlockIndex>&) const override {}
+  std::uint64_t pattern_version() const override { return 1; }
+
+ private:
+  Real one_ = 1;
+};
+
 }  // namespace
 
 Oscillator::Oscillator(double frequency, double damping_ratio)
@@ -147,6 +169,18 @@ double observed_limit(const Variant<Integrator>& method, const Params& options, 
     (matrix(middle, kSamples).condition(which) > 0 ? above : below) = middle;
   }
   return (below + above) / 2;
+}
+
+// Between the fourth and the eighth step, so that no start-up counts; in quarters: the rest is rounding.
+Real free_fall_lead(Integrator& method) {
+  Falling field;
+  Vec3 x = Vec3::Zero(), v = Vec3::Zero();
+  Real at_four = 0;
+  for (int k = 0; k < 8; ++k) {
+    method.step(field, k, 1, {&x, 1}, {&v, 1});
+    if (k == 3) at_four = x[0];
+  }
+  return std::round((x[0] - at_four - Real(0.5 * (64 - 16))) / 4 * 4) / 4;
 }
 
 }  // namespace feder

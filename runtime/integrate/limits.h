@@ -1,6 +1,6 @@
-// Stability limits on the oscillator x'' = -w^2 x - 2 zeta w x', as the product h w = z: what the theory of a method
-// says, and what its code does. The second is read off the matrix of one step, which is linear in the state, not off
-// long runs.
+// What the code of a method does, measured: stability limits on the oscillator x'' = -w^2 x - 2 zeta w x', as the
+// product h w = z, beside what the theory of the method says; and its lead in free fall. Limits are read off the matrix
+// of one step, which is linear in the state, not off long runs.
 #pragma once
 #include "integrate/integrator.h"
 
@@ -55,5 +55,9 @@ double predicted_limit(const IntegratorInfo& info, double zeta);
 // and stay (runge_kutta.cpp therefore does not). Adaptive methods are asked for single steps (adaptive = false). A
 // method with memory is run instead, some hundred steps for each z, and then the value is as sharp as that.
 double observed_limit(const Variant<Integrator>& method, const Params& options, double zeta);
+
+// By how many steps the velocity that a method works with leads the true one in free fall, from its code: x after n
+// steps h is x0 + v0 n h + g (n h)^2/2 + lead g n h^2.
+Real free_fall_lead(Integrator& method);
 
 }  // namespace feder

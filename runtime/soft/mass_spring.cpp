@@ -24,6 +24,7 @@
 #include "feder/snapshot.h"
 #include "integrate/damping_stages.h"
 #include "integrate/integrator.h"
+#include "integrate/limits.h"
 #include "soft/edge_springs.h"
 #include "soft/solver.h"
 
@@ -55,7 +56,7 @@ class SoftMassSpring final : public SoftSolver, private ForceField {
     const Variant<Integrator>& row =
         find_variant(integrators(), p.text({"integrator"}, default_integrator()), "integrator");
     const Params none;
-    lead_ = measured_lead(*row.make(a, none));
+    lead_ = free_fall_lead(*row.make(a, none));
     method_ = row.make(a, none);
   }
 
@@ -130,40 +131,6 @@ class SoftMassSpring final : public SoftSolver, private ForceField {
   }
 
  private:
-  // One point under g = 1: measures a method in free fall.
-  class Stone final : public ForceField {
-   public:
-    std::size_t count() const override { return 1; }
-    std::span<const Real> inv_mass() const override { return {&one_, 1}; }
-    std::span<const Real> mass() const override { return {&one_, 1}; }
-    void eval(std::span<const Vec3>, std::span<const Vec3>, double, std::span<Vec3> force) override {
-      force[0] = Vec3(1, 0, 0);
-    }
-    bool damped() const override { return false; }
-    bool stiff_damping(Real) const override { return false; }
-    void damping(std::span<const Vec3>, std::span<const Vec3>, double, BlockSparse& d) override { d.set_zero(); }
-    void jacobian(std::span<const Vec3>, std::span<const Vec3>, double, BlockSparse& k, BlockSparse& d) override {
-      k.set_zero(), d.set_zero();
-    }
-    void pattern(std::vector<BlockIndex>&) const override {}
-    std::uint64_t pattern_version() const override { return 1; }
-
-   private:
-    Real one_ = 1;
-  };
-
-  // Between the fourth and the eighth step, so that no start-up counts; in quarters: the rest is rounding.
-  static Real measured_lead(Integrator& method) {
-    Stone field;
-    Vec3 x = Vec3::Zero(), v = Vec3::Zero();
-    Real at_four = 0;
-    for (int k = 0; k < 8; ++k) {
-      method.step(field, k, 1, {&x, 1}, {&v, 1});
-      if (k == 3) at_four = x[0];
-    }
-    return std::round((x[0] - at_four - Real(0.5 * (64 - 16))) / 4 * 4) / 4;
-  }
-
   static bool lacks(const SoftMaterial& m) { return m.lame < (1 - 1e-6) * m.mu; }
   static double young(const SoftMaterial& m) { return m.mu * (3 * m.lame + 2 * m.mu) / (m.lame + m.mu); }
   bool unlimited() const { return !std::isfinite(method_->info().stability_limit); }
