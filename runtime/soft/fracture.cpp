@@ -5,7 +5,7 @@
 // Jagnow 2001). One crack in a part and a step, since it unloads what lies beside it. Each lot of tetrahedra that faces
 // connect gets a point of its own, with the same place and velocity, so mass and momentum are kept; so do lots at the
 // points round it that hang together by an edge or a point alone. Pins and attachments stay with the largest lot.
-// Points keep their numbers, new ones come last. Allocates when it happens. Kept between steps: nothing. Weak spot:
+// Crumbs of fewer than kCrumb tetrahedra stay whole. Points keep their numbers, new ones come last. Allocates when it happens. Kept between steps: nothing. Weak spot:
 // cracks run between tetrahedra, so their faces are as rough as the mesh.
 #include <algorithm>
 #include <cmath>
@@ -15,6 +15,7 @@
 namespace feder {
 namespace {
 
+constexpr std::uint32_t kCrumb = 24;
 constexpr double kFlat = 1e-3;  // of its volume: what is squeezed to less is not torn
 
 // V sigma = V0 P F^T
@@ -160,11 +161,14 @@ void Soft::Impl::fracture(SoftBody& b) {
     double force;
   };
   std::vector<Split> splits;
+  std::vector<std::uint32_t> size(b.mesh.parts(), 0);  // tetrahedra of each part
+  for (const TetrahedronPoints& t : b.mesh.tetrahedra) ++size[b.mesh.part_of[t[0]]];
   std::vector<bool> seen(b.size(), false), cracked(b.mesh.parts(), false);
   std::vector<std::uint32_t> front, beside;
   const auto none = [](std::uint32_t) { return false; };
   for (const auto& [tension, start] : torn) {
-    if (cracked[b.mesh.part_of[start]]) continue;
+    const std::uint32_t part = b.mesh.part_of[start];
+    if (cracked[part] || size[part] < kCrumb) continue;
     const Vec3 across = tension.across, at = b.position[start];
     const auto beyond = [&](std::uint32_t k) {
       Vec3 sum = Vec3::Zero();
@@ -183,7 +187,7 @@ void Soft::Impl::fracture(SoftBody& b) {
           if (j != i && std::find(beside.begin(), beside.end(), j) == beside.end()) beside.push_back(j);
       const double area = separated_area(b, i, round);
       splits.push_back({i, divide(b, i, round), pulled(stress[i], across) * area});
-      cracked[b.mesh.part_of[start]] = true;
+      cracked[part] = true;
       for (const std::uint32_t j : beside) {
         if (const Round left(b.mesh, j, none); left.lots > 1) divide(b, j, left);
         if (j >= seen.size() || seen[j]) continue;
