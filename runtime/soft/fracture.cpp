@@ -5,8 +5,9 @@
 // Jagnow 2001). One crack in a part and a step, since it unloads what lies beside it. Each lot of tetrahedra that faces
 // connect gets a point of its own, with the same place and velocity, so mass and momentum are kept; so do lots at the
 // points round it that hang together by an edge or a point alone. Pins and attachments stay with the largest lot.
-// Crumbs of fewer than kCrumb tetrahedra stay whole. Points keep their numbers, new ones come last. Allocates when it happens. Kept between steps: nothing. Weak spot:
-// cracks run between tetrahedra, so their faces are as rough as the mesh.
+// Crumbs of fewer than kCrumb tetrahedra stay whole. Points keep their numbers, new ones come last. Allocates when it
+// happens. Kept between steps: nothing. Weak spot: cracks run between tetrahedra, so their faces are as rough as the
+// mesh.
 #include <algorithm>
 #include <cmath>
 
