@@ -109,7 +109,10 @@ local function new_soft()
   return keep("soft", world:soft { shape = shape, resolution = whole(1, 3), position = place(1), rotation = { axis = { 1, 2, 0 }, angle = range(0, 3) },
     velocity = chance(0.3) and { range(-9, 9), range(-9, 9), range(-9, 9) } or nil, density = 10 ^ range(1.5, 3.5), young = 10 ^ range(3, 6),
     poisson = chance(0.5) and range(-0.5, 0.49) or nil, damping = range(0, 0.02), friction = range(0, 1), self_collision = chance(0.7),
-    solver = pick { "xpbd", "vbd", "implicit" }, elasticity = chance(0.3) and pick { "neo_hookean", "corotated", "stvk" } or nil,
+    solver = pick { "xpbd", "vbd", "implicit", "mass_spring" },
+    plastic = chance(0.3) and { yield = range(0, 0.3), flow = 10 ^ range(-1, 3) } or nil,
+    fracture_stress = chance(0.3) and 10 ^ range(2, 5) or nil, self = chance(0.3) and pick { "hash", "sphere_tree" } or nil,
+    elasticity = chance(0.3) and pick { "neo_hookean", "corotated", "stvk" } or nil,
     thickness = chance(0.3) and range(0.002, 0.05) or nil, pins = chance(0.2) and { 1 } or nil })
 end
 local function new_fluid()
@@ -197,7 +200,7 @@ if softs then
     function() local n = points() n:attach(whole(1, n:count()), points()) end,
     function() local b = pick(o.soft) b:apply_impulse(whole(1, b:count()), vector(9)) end,
     function() local b = pick(o.soft) if chance(0.5) then b:sleep() else b:wake() end end,
-    function() local b = pick(o.soft) b:volume() b:inverted() b:strain() b:positions() b:awake() b:mass() b:tetrahedron_at(vector(2)) end,
+    function() local b = pick(o.soft) b:volume() b:inverted() b:strain() b:positions() b:awake() b:mass() b:tetrahedron_at(vector(2)) b:part(b:count()) b:tension(1) end,
   } do operations[#operations + 1] = operation end
 end
 for _, name in ipairs(names) do
