@@ -17,7 +17,7 @@ void read_plastic(Options& o, const OptionRow&, Reading& desc) {
   if (lua_type(o.L(), -1) != LUA_TTABLE) o.wrong("plastic", "{ yield =, flow = }");
   Options inner(o.L(), -1, o.path("plastic"));
   for (const char* key : {"yield", "flow"})
-    if (!inner.has(key)) o.raise("plastic", std::string("expected { yield =, flow = }, got no ") + key);
+    if (!inner.given(key)) o.raise("plastic", std::string("expected { yield =, flow = }, got no ") + key);
   inner.read(kPlastic<Reading>, desc);
   lua_pop(o.L(), 1);
 }

@@ -5,9 +5,9 @@
 // Jagnow 2001). One crack in a part and a step, since it unloads what lies beside it. Each lot of tetrahedra that faces
 // connect gets a point of its own, with the same place and velocity, so mass and momentum are kept; so do lots at the
 // points round it that hang together by an edge or a point alone. Pins and attachments stay with the largest lot.
-// Crumbs of fewer than kCrumb tetrahedra stay whole. Points keep their numbers, new ones come last. Allocates when it
-// happens. Kept between steps: nothing. Weak spot: cracks run between tetrahedra, so their faces are as rough as the
-// mesh.
+// Crumbs, parts of fewer than kCrumb tetrahedra, stay whole. Points keep their numbers, new ones come last. Allocates
+// when it happens. Kept between steps: nothing. Weak spot: cracks run between tetrahedra, so their faces are as rough
+// as the mesh.
 #include <algorithm>
 #include <cmath>
 
@@ -169,7 +169,7 @@ void Soft::Impl::fracture(SoftBody& b) {
   const auto none = [](std::uint32_t) { return false; };
   for (const auto& [tension, start] : torn) {
     const std::uint32_t part = b.mesh.part_of[start];
-    if (cracked[part] || size[part] < kCrumb) continue;
+    if (cracked[part] || (size.size() > 1 && size[part] < kCrumb)) continue;
     const Vec3 across = tension.across, at = b.position[start];
     const auto beyond = [&](std::uint32_t k) {
       Vec3 sum = Vec3::Zero();
