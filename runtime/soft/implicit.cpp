@@ -86,8 +86,9 @@ class SoftImplicit final : public SoftSolver {
     for (std::uint32_t i = 0; i < v.points; ++i) {
       Row4& d = v.delta_position[i];
       if (free_[i] != 0) {
-        v.velocity[i].set(((u_[i] - start_[i]) / h_).cast<Real>());
-        d.set(u_[i].cast<Real>());
+        const Vec3d reached = u_[i] - (h_ * h_) * v.steady_contact[i].cast<double>();
+        v.velocity[i].set(((reached - start_[i]) / h_).cast<Real>());
+        d.set(reached.cast<Real>());
       }
       v.before[i] = {d.x, d.y, d.z, 1};
     }
@@ -189,7 +190,11 @@ class SoftImplicit final : public SoftSolver {
       if (x.w != 0) v.velocity[i].add(h * v.acceleration[i]);
       start_[i] = x.vec().cast<double>();
       goal_[i] = start_[i];
-      if (x.w != 0) goal_[i] += h_ * v.velocity[i].vec().cast<double>();
+      if (x.w == 0) continue;
+      goal_[i] += h_ * v.velocity[i].vec().cast<double>();
+      // contacts push after it, so that what they push in would spring back in its substep, and they would feel no more
+      // than m d/h^2: it expects them as they last were, and gives their part back
+      goal_[i] += (h_ * h_) * v.steady_contact[i].cast<double>();
     }
     lag_ = std::fmax(double(v.damping) - h_, 0) / h_;
     if (lag_ > 0)

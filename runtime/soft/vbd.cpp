@@ -75,7 +75,7 @@ class SoftVbd final : public SoftSolver {
     const auto goal = [&](std::uint32_t i) { return Vec3(v.before[i].vec() + h * v.velocity[i].vec()); };
     each_point(v, c, [&](std::uint32_t i) {
       v.before[i] = {v.delta_position[i].x, v.delta_position[i].y, v.delta_position[i].z, 0};
-      if (v.delta_position[i].w != 0) v.velocity[i].add(h * v.acceleration[i]);
+      if (v.delta_position[i].w != 0) v.velocity[i].add(h * expected(v, i));
     });
     for (SoftPointBatch& b : points_)
       for (int n = 0; n < kLanes; ++n) put(b.goal, n, goal(b.self[n]));
@@ -84,13 +84,17 @@ class SoftVbd final : public SoftSolver {
     each_point(v, c, [&](std::uint32_t i) {
       Row4& d = v.delta_position[i];
       if (d.w == 0) return;
-      d.set(goal(i) - (h * h) * held_back(v.acceleration[i], d.w * force_[i].vec()));
+      d.set(goal(i) - (h * h) * held_back(expected(v, i), d.w * force_[i].vec()));
     });
     for (int k = 0; k < iterations_; ++k) run(p, kernels_->descend, c);
     for (std::uint32_t n = 0; n < v.mesh->parts(); ++n) put_back(v, v.mesh->part(n), goal);
     each_point(v, c, [&](std::uint32_t i) {
       Row4& d = v.delta_position[i];
-      if (d.w != 0) v.velocity[i].add((d.vec() - goal(i)) / h);
+      if (d.w != 0) {
+        // contacts follow, and push it themselves
+        v.velocity[i].add((d.vec() - goal(i)) / h - h * v.steady_contact[i]);
+        d.add(-(h * h) * v.steady_contact[i]);
+      }
       v.before[i] = {d.x, d.y, d.z, 1};
     });
   }
@@ -153,6 +157,9 @@ class SoftVbd final : public SoftSolver {
       kernel(part);
     });
   }
+
+  // Acceleration from outside, that of contacts as they last were (implicit.cpp).
+  static Vec3 expected(const SoftView& v, std::uint32_t i) { return v.acceleration[i] + v.steady_contact[i]; }
 
   static void put(Lane8x3& to, int n, const Vec3& d) { to.x.v[n] = d[0], to.y.v[n] = d[1], to.z.v[n] = d[2]; }
 
