@@ -15,7 +15,7 @@ namespace feder {
 Collide::Impl::Impl(SystemSetup& setup)
     : arena(setup.store.arena(kName)), commands(setup.commands), colliders(&setup.store.need<Colliders>(kName)),
       contacts(&setup.store.need<Contacts>(kName)), book(&setup.store.need<ContactBook>(kName)),
-      narrow(setup.world.text({"narrow_phase"}, "auto", "auto, gjk")) {
+      narrow(setup.world.text({"narrow_phase"}, "auto", narrow_phase_names())) {
   broad =
       variant_option(setup.world, {"broad_phase"}, broad_phases(), "tree", "broad phase").make(arena, setup.options);
 }
@@ -100,6 +100,7 @@ void Collide::include(ObjectId a, ObjectId b) {
 }
 
 void Collide::check_shape(const Shape& shape) const {
+  impl_->narrow.prepare(shape);
   if (impl_->narrow.complete()) return;
   const Colliders& c = *impl_->colliders;
   for (std::uint32_t k = 0; k < c.size(); ++k)
