@@ -32,7 +32,8 @@ struct CoreDistance {
   bool overlap = false;
   double distance = 0;     // m, when apart
   int steps = 0;           // of its search
-  bool handed_on = false;  // it gave up: GJK has answered
+  bool repeat = false;     // it went in a circle
+  bool handed_on = false;  // for that or another reason GJK has answered
 };
 
 // A narrow phase by name: its tests take the place of those of "auto".

@@ -134,7 +134,8 @@ bool core_distance(const Shape& a, const Pose& pose_a, const Shape& b, const Pos
     if (!fa.known() || !fb.known()) return false;
     m = march_from(pair, fa, fb, cache);
   }
-  out = {m.end == MarchEnd::overlap, m.gap.distance, m.steps, m.end == MarchEnd::repeat || m.end == MarchEnd::bent};
+  const bool repeat = m.end == MarchEnd::repeat;
+  out = {m.end == MarchEnd::overlap, m.gap.distance, m.steps, repeat, repeat || m.end == MarchEnd::bent};
   if (out.handed_on) {
     Simplex simplex;
     out.overlap = !gjk_distance(pair, -pair.offset, std::numeric_limits<double>::infinity(), simplex, m.gap);
