@@ -15,7 +15,7 @@ class Hull final : public Shape {
  public:
   Hull(HullData data, std::span<const Vec3> points);  // of those
   const HullData& data() const { return data_; }
-  const FeatureGraph& features() const;  // made at the first call, by any thread: geom/features.cpp
+  const FeatureGraph& features() const;  // made at the first call, by any thread: geom/hull_features.cpp
 
   Aabb bounds(const Pose& pose) const override;
   MassProperties mass(Real density) const override;

@@ -214,7 +214,8 @@ class Marcher {
     clip.cut(slack_ + len - along0, slack_ + len - along1, e.head);
     if (follow(t, clip, Feature::vertex, q0, q1, direction, from) == Verdict::moved) return Verdict::moved;
     clip.low = clip.high = -1;
-    const Double3 left = cross(f.faces[e.left].normal, e.direction), right = cross(e.direction, f.faces[e.right].normal);
+    const Double3 left = cross(f.faces[e.left].normal, e.direction),
+                  right = cross(e.direction, f.faces[e.right].normal);
     clip.cut(slack_ - dot(q0, left), slack_ - dot(q1, left), e.left);
     clip.cut(slack_ - dot(q0, right), slack_ - dot(q1, right), e.right);
     if (clip.lo > clip.hi && clip.low < 0) clip.low = clip.high;

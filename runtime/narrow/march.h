@@ -1,10 +1,11 @@
 // Closest features of two convex polytopes by marching from pair to pair of them (internal to narrow).
 #pragma once
-#include "geom/features.h"
-#include "geom/polygon.h"
+#include "geom/hull_features.h"
 #include "narrow/gjk.h"
 
 namespace feder {
+
+class Polygon;
 
 struct Feature {
   enum Kind : std::uint8_t { vertex, edge, face };

@@ -3,6 +3,7 @@
 // neighbour ends at it, at an end of the edge, or in the outline. Weak spot: as in space.
 #include <limits>
 
+#include "geom/polygon.h"
 #include "narrow/march.h"
 
 namespace feder {
@@ -12,8 +13,7 @@ enum class FlatVerdict : std::uint8_t { moved, closest, inside };
 
 class FlatMarcher {
  public:
-  FlatMarcher(const ConvexPair& pair, const Polygon& a, const Polygon& b)
-      : pair_(pair), side_{a.points(), b.points()} {
+  FlatMarcher(const ConvexPair& pair, const Polygon& a, const Polygon& b) : pair_(pair), side_{a.points(), b.points()} {
     double reach = length(pair.offset), size = 0;
     for (const auto& points : side_)
       for (const Vec2& p : points) {
@@ -81,8 +81,7 @@ class FlatMarcher {
       const Double3 p = corner(1 - t, at_[1 - t].index), w = corner(t, i);
       const Edge ahead = edge(t, i), behind = edge(t, last(t, i));
       const double forward = dot(p - w, ahead.d), back = -dot(p - w, behind.d);
-      if (std::max(forward, back) > slack_)
-        return move(t, Feature::edge, forward >= back ? i : last(t, i));
+      if (std::max(forward, back) > slack_) return move(t, Feature::edge, forward >= back ? i : last(t, i));
     }
     return FlatVerdict::closest;
   }
@@ -109,7 +108,7 @@ class FlatMarcher {
     if (down == v) return FlatVerdict::closest;
     const Double3 q = corner(s, down);
     const double to = e.along(q), low = e.height(q);
-    const bool before = to < 0, after = to > e.len;
+    const bool before = to<0, after = to> e.len;
     if (!before && !after) return low <= touch_ ? FlatVerdict::inside : move(s, Feature::vertex, down);
     const double share = ((before ? 0 : e.len) - along) / (to - along);
     if (height + share * (low - height) <= touch_) return FlatVerdict::inside;

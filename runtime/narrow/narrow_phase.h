@@ -45,8 +45,8 @@ struct NarrowMethod {
   // False for shapes that it has no test for. Uses the cache as its tests do.
   bool (*distance)(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, PairCache& cache,
                    CoreDistance& out);
-  std::size_t (*bytes)(const Shape&);               // kept with a shape
-  std::uint32_t (*handed_on)(const PairCache&);     // how often a pair was, up to 127
+  std::size_t (*bytes)(const Shape&);            // kept with a shape
+  std::uint32_t (*handed_on)(const PairCache&);  // how often a pair was, up to 127
 };
 std::span<const NarrowMethod> narrow_methods();
 std::string narrow_phase_names();  // "auto, gjk, ..."

@@ -1,9 +1,9 @@
 // Polygon against polygon, rounded or not. Cores apart: GJK, which stays in the plane. Cores that overlap: separating
-// axes (outline_axes.cpp), as EPA would find no depth across the plane. Then the common stretch of the two edges, as for
-// solids. Keeps nothing between calls.
+// axes (polygon_axes.cpp), as EPA would find no depth across the plane. Then the common stretch of the two edges, as
+// for solids. Keeps nothing between calls.
 #include "narrow/narrow_phase.h"
-#include "narrow/outline_axes.h"
 #include "narrow/patch.h"
+#include "narrow/polygon_axes.h"
 #include "narrow/reduce.h"
 
 namespace feder {
@@ -17,7 +17,7 @@ int polygon_polygon(const Shape& a, const Pose& pose_a, const Shape& b, const Po
   Simplex simplex;
   Gap gap;
   if (!gjk_distance(pair, -pair.offset, enough, simplex, gap))
-    gap = outline_overlap(pair, static_cast<const Polygon&>(a), static_cast<const Polygon&>(b));
+    gap = polygon_overlap(pair, static_cast<const Polygon&>(a), static_cast<const Polygon&>(b));
   if (gap.distance > enough) return 0;
   Patch patch;
   contact_patch(pair, gap, margin, patch);

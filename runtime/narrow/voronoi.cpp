@@ -1,16 +1,17 @@
 // The narrow phase "voronoi": boxes and hulls, and polygons in the plane, by marching (march.cpp). Between calls a pair
 // keeps its closest features, from which the next march starts, the last normal, coarsely, and how often it was handed
-// on. Overlap has no closest features: GJK and EPA (in the plane, separating axes) give its depth; a march that comes to
-// a pair twice goes to GJK. Then the patch where two faces look at each other, as for all convex shapes.
-// Sources: Mirtich 1998, Lin & Canny 1991. Weak spot: shapes in contact overlap a little, and pay for both.
+// on. Overlap has no closest features: GJK and EPA (in the plane, separating axes) give its depth; a march that comes
+// to a pair twice goes to GJK. Then the patch where two faces look at each other, as for all convex shapes. Sources:
+// Mirtich 1998, Lin & Canny 1991. Weak spot: shapes in contact overlap a little, and pay for both.
 #include <typeinfo>
 
 #include "geom/box.h"
 #include "geom/hull.h"
+#include "geom/polygon.h"
 #include "narrow/march.h"
 #include "narrow/narrow_phase.h"
-#include "narrow/outline_axes.h"
 #include "narrow/patch.h"
+#include "narrow/polygon_axes.h"
 
 namespace feder {
 namespace {
@@ -68,8 +69,7 @@ class ShapeFeatures {
     const Double3 h = wide(half);
     for (int i = 0; i < 8; ++i) corners_[i] = {i & 1 ? h.x : -h.x, i & 2 ? h.y : -h.y, i & 4 ? h.z : -h.z};
     all_ = cube_features().view();
-    for (std::size_t k = 0; k < 6; ++k)
-      faces_[k] = all_.faces[k], faces_[k].offset = k < 2 ? h.x : (k < 4 ? h.y : h.z);
+    for (std::size_t k = 0; k < 6; ++k) faces_[k] = all_.faces[k], faces_[k].offset = k < 2 ? h.x : (k < 4 ? h.y : h.z);
     all_.vertices = corners_, all_.faces = faces_;
     all_.reach = std::max({h.x, h.y, h.z}), all_.size = 2 * length(h);
   }
@@ -101,8 +101,8 @@ int solids(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_
   const double enough = double(margin) + a.radius() + b.radius();
   const March m = march_from(pair, ShapeFeatures(a), ShapeFeatures(b), cache);
   Gap gap = m.gap;
-  const bool near = m.end == MarchEnd::apart ? gap.distance <= enough
-                                             : core_gap(pair, kept_start(cache, pair), enough, gap);
+  const bool near =
+      m.end == MarchEnd::apart ? gap.distance <= enough : core_gap(pair, kept_start(cache, pair), enough, gap);
   keep(m, gap.normal, cache);
   return near ? gap_manifold(pair, gap, margin, pose_a, *out) : 0;
 }
@@ -117,7 +117,7 @@ int outlines(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pos
   Gap gap = m.gap;
   Simplex simplex;
   const auto gjk = [&] { return gjk_distance(pair, -pair.offset, enough, simplex, gap); };
-  if (m.end == MarchEnd::overlap || (m.end == MarchEnd::repeat && !gjk())) gap = outline_overlap(pair, pa, pb);
+  if (m.end == MarchEnd::overlap || (m.end == MarchEnd::repeat && !gjk())) gap = polygon_overlap(pair, pa, pb);
   keep(m, gap.normal, cache);
   return gap.distance <= enough ? gap_manifold(pair, gap, margin, pose_a, *out) : 0;
 }

@@ -3,8 +3,8 @@
 
 #include "base/rng.h"
 #include "feder/error.h"
-#include "geom/features.h"
 #include "geom/hull.h"
+#include "geom/hull_features.h"
 #include "narrow/narrow_phase.h"
 #include "poses.h"
 #include "support/catch.h"
@@ -48,7 +48,8 @@ void ask(const Shape& a, const Pose& pa, const Shape& b, const Pose& pb, PairCac
   REQUIRE(voronoi()->distance(a, pa, b, pb, cache, d));
   const ClosestResult truth = closest_points(a, pa, b, pb);
   const double size = size_of(a, b), mine = d.overlap ? 0 : d.distance - double(a.radius() + b.radius());
-  ++tally.queries, tally.steps += d.steps, tally.handed_on += d.handed_on, tally.repeats += d.repeat, tally.overlaps += d.overlap;
+  ++tally.queries, tally.steps += d.steps, tally.handed_on += d.handed_on, tally.repeats += d.repeat,
+      tally.overlaps += d.overlap;
   tally.most = std::max(tally.most, d.steps);
   const double error = std::abs(std::max(mine, 0.0) - double(truth.distance)) / std::max(size, mine);
   tally.error = std::max(tally.error, error);
@@ -100,7 +101,8 @@ TEST_CASE("marching finds the distance of boxes, boxes and hulls, and polygons",
     ask(*a, pa, *b, near_pose(rng, *a, *b, pa, rng.uniform(Real(0.3), 3)), cache, boxes);
     // aligned ones: faces and edges that are parallel, or nearly
     Pose aligned{pa.position, pa.rotation};
-    if (i % 2) aligned.rotation = pa.rotation * from_axis_angle(random_direction(rng), std::pow(Real(10), rng.uniform(-8, -2)));
+    if (i % 2)
+      aligned.rotation = pa.rotation * from_axis_angle(random_direction(rng), std::pow(Real(10), rng.uniform(-8, -2)));
     aligned.position += rotate(pa.rotation, vec3(rng.uniform(-1, 1), rng.uniform(-1, 1), Real(1.2)));
     cache = {};
     ask(*a, pa, *b, aligned, cache, boxes);
@@ -182,8 +184,7 @@ TEST_CASE("marching notices every overlap", "[narrow][voronoi]") {
       const auto collect = [&](const HullData& h, const Quat& q, std::vector<Vec3>& edges) {
         for (const HullFace& f : h.faces) {
           axes.push_back(rotate(q, f.normal));
-          for (int k = 0; k < f.count; ++k)
-            edges.push_back(rotate(q, h.corner(f, (k + 1) % f.count) - h.corner(f, k)));
+          for (int k = 0; k < f.count; ++k) edges.push_back(rotate(q, h.corner(f, (k + 1) % f.count) - h.corner(f, k)));
         }
       };
       collect(ha, pa.rotation, sides[0]), collect(hb, pb.rotation, sides[1]);
@@ -193,8 +194,7 @@ TEST_CASE("marching notices every overlap", "[narrow][voronoi]") {
           if (length(n) > Real(1e-3) * length(u) * length(v)) axes.push_back(n / length(n));
         }
       Real best = -kInfinity;
-      for (const Vec3& n : axes)
-        best = std::max({best, gap_along(*a, pa, *b, pb, n), gap_along(*a, pa, *b, pb, -n)});
+      for (const Vec3& n : axes) best = std::max({best, gap_along(*a, pa, *b, pb, n), gap_along(*a, pa, *b, pb, -n)});
       return best;
     };
     if (i % 2) {  // to where they nearly touch
@@ -303,7 +303,8 @@ TEST_CASE("what a pair keeps changes the way, not the answer", "[narrow][voronoi
     const Pose pa{random_direction(rng, planar), random_rotation(rng, planar)};
     Pose pb{pa.position + random_direction(rng, planar) * rng.uniform(1, 5), random_rotation(rng, planar)};
     PairCache any;
-    any.word[0] = static_cast<std::uint32_t>(rng.next()) | 1u << 31, any.word[1] = static_cast<std::uint32_t>(rng.next());
+    any.word[0] = static_cast<std::uint32_t>(rng.next()) | 1u << 31,
+    any.word[1] = static_cast<std::uint32_t>(rng.next());
     ask(*a, pa, *b, pb, any, t);
   }
   report("any start", t);

@@ -6,6 +6,6 @@
 namespace feder {
 
 // Of polygons whose cores overlap; in the frame of a.
-Gap outline_overlap(const ConvexPair& pair, const Polygon& a, const Polygon& b);
+Gap polygon_overlap(const ConvexPair& pair, const Polygon& a, const Polygon& b);
 
 }  // namespace feder

@@ -1,7 +1,7 @@
 // Depth of two overlapping outlines: separating axes over the edge normals of both (Ericson, "Real-Time Collision
 // Detection", 2005, 5.2.1). Weak spot: every edge asks for a support point of the other, so it costs the product of the
 // corners.
-#include "narrow/outline_axes.h"
+#include "narrow/polygon_axes.h"
 
 namespace feder {
 namespace {
@@ -24,7 +24,7 @@ Gap best_edge(const Polygon& own, const Support& lowest) {
 
 }  // namespace
 
-Gap outline_overlap(const ConvexPair& pair, const Polygon& a, const Polygon& b) {
+Gap polygon_overlap(const ConvexPair& pair, const Polygon& a, const Polygon& b) {
   const Gap ga = best_edge(
       a, [&](const Double3& n) { return pair.from_b(wide(pair.b.support(narrow(pair.direction_to_b(-n))))); });
   const Gap gb = best_edge(b, [&](const Double3& n) {  // in the frame of b

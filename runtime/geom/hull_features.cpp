@@ -1,6 +1,6 @@
 // Edges by pairing the sides of faces that run between the same two corners; planes by Newell's normal in double, at
 // the mean height of a face's corners. A hull of merged triangles may be bent a little: that is measured.
-#include "geom/features.h"
+#include "geom/hull_features.h"
 
 #include <algorithm>
 #include <map>
@@ -74,8 +74,7 @@ void FeatureGraph::set_planes() {
 }
 
 void FeatureGraph::measure() {
-  for (const Double3& p : vertices_)
-    view_.reach = std::max({view_.reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
+  for (const Double3& p : vertices_) view_.reach = std::max({view_.reach, std::abs(p.x), std::abs(p.y), std::abs(p.z)});
   Double3 low = vertices_[0], high = low;
   for (const Double3& p : vertices_) {
     low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
