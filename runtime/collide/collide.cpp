@@ -46,6 +46,12 @@ void Collide::forget(std::uint32_t collider) { impl_->forget(collider); }
 
 void Collide::residuals(std::vector<Residual>& out) const {
   out.push_back({"collide.max_penetration_m", static_cast<double>(max_penetration())});
+  const NarrowMethod* method = impl_->narrow.method();
+  if (!method) return;
+  double handed_on = 0;
+  for (const ContactEntry& e : impl_->all_entries())
+    if (starts_number(e)) handed_on += method->handed_on(impl_->memory[e.pair].cache);
+  out.push_back({"collide.handed_on", handed_on});
 }
 
 void Collide::notes(std::vector<Note>& out) const {

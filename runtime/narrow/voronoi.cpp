@@ -21,7 +21,11 @@ namespace {
 constexpr std::uint32_t kKnown = 1u << 31, kNormalKnown = 1u << 30, kFeatureBits = 0xffffff, kHandedOn = 0x7f;
 constexpr double kNormalSteps = 1023;
 
-std::uint32_t handed_on(const PairCache& cache) { return cache.word[0] & kKnown ? cache.word[0] >> 24 & kHandedOn : 0; }
+// Other tests of the pairs of a world set the highest bit of word[1], or none.
+std::uint32_t handed_on(const PairCache& cache) {
+  const bool own = cache.word[0] & kKnown && cache.word[1] >> 30 == 1;
+  return own ? cache.word[0] >> 24 & kHandedOn : 0;
+}
 
 void keep(const March& m, const Double3& normal, PairCache& cache) {
   const bool gave_up = m.end == MarchEnd::repeat || m.end == MarchEnd::bent;

@@ -65,18 +65,27 @@ struct Placed {
   const Double3& head(EdgeUse use) const { return corners[f.far_end(use)]; }
 };
 
-// The largest gap over all axes that can separate: normals of faces, and of the faces that two edges have in common in
-// the difference of both (their arcs on the sphere of normals cross: Gregorius, GDC 2013).
-double widest_gap(const Placed& a, const Placed& b) {
-  double best = -kBeyond;
-  const auto faces = [&](const Placed& own, const Placed& other) {
+struct WidestGap {
+  double gap = -kBeyond;
+  Double3 axis{0, 0, 0};  // unit, from a to b
+};
+
+// The largest gap over all axes that can separate: normals of faces, and, where none of them does, of the faces that
+// two edges have in common in the difference of both (their arcs on the sphere of normals cross: Gregorius, GDC 2013).
+WidestGap widest_gap(const Placed& a, const Placed& b) {
+  WidestGap best;
+  const auto take = [&](double gap, const Double3& axis) {
+    if (gap > best.gap) best = {gap, axis};
+  };
+  const auto faces = [&](const Placed& own, const Placed& other, double sign) {
     for (std::size_t k = 0; k < own.normals.size(); ++k) {
       double low = kBeyond;
       for (const Double3& p : other.corners) low = std::min(low, dot(own.normals[k], p));
-      best = std::max(best, low - own.offsets[k]);
+      take(low - own.offsets[k], sign * own.normals[k]);
     }
   };
-  faces(a, b), faces(b, a);
+  faces(a, b, 1), faces(b, a, -1);
+  if (best.gap > 0) return best;
   for (const FeatureEdge& e : a.f.edges) {
     const Double3 &n = a.normals[e.left], &m = a.normals[e.right], mn = cross(m, n), &p = a.corners[e.tail];
     for (const FeatureEdge& g : b.f.edges) {
@@ -85,14 +94,20 @@ double widest_gap(const Placed& a, const Placed& b) {
       if (!(first * second < 0 && third * fourth < 0 && first * fourth > 0)) continue;
       const Double3 axis = cross(a.corners[e.head] - p, b.corners[g.head] - b.corners[g.tail]);
       const double len = length(axis), sign = dot(axis, n + m) < 0 ? -1 : 1;  // outward of a
-      if (len > 0) best = std::max(best, sign / len * dot(axis, b.corners[g.tail] - p));
+      if (len > 0) take(sign / len * dot(axis, b.corners[g.tail] - p), (sign / len) * axis);
     }
   }
   return best;
 }
 
-double nearest_features(const Placed& a, const Placed& b) {
-  double best = kBeyond;
+// Of all corners, edges and faces. An axis that separates says which edges are too far from all of the other one.
+double nearest_features(const Placed& a, const Placed& b, const Double3& axis) {
+  double best = kBeyond, end_of_a = -kBeyond, start_of_b = kBeyond;
+  for (const Double3& p : a.corners)
+    for (const Double3& q : b.corners) best = std::min(best, dot(q - p, q - p));
+  best = std::sqrt(best);
+  for (const Double3& p : a.corners) end_of_a = std::max(end_of_a, dot(axis, p));
+  for (const Double3& p : b.corners) start_of_b = std::min(start_of_b, dot(axis, p));
   const auto corners_to_faces = [&](const Placed& own, const Placed& other) {
     for (std::size_t k = 0; k < own.normals.size(); ++k)
       for (const Double3& p : other.corners) {
@@ -106,12 +121,11 @@ double nearest_features(const Placed& a, const Placed& b) {
   };
   corners_to_faces(a, b), corners_to_faces(b, a);
   for (const FeatureEdge& e : a.f.edges) {
-    const Double3 &p = a.corners[e.tail], &q = a.corners[e.head], middle = 0.5 * (p + q);
-    const double half = 0.5 * length(q - p);
+    const Double3 &p = a.corners[e.tail], &q = a.corners[e.head];
+    if (start_of_b - std::max(dot(axis, p), dot(axis, q)) >= best) continue;
     for (const FeatureEdge& g : b.f.edges) {
       const Double3 &r = b.corners[g.tail], &s = b.corners[g.head];
-      if (length(0.5 * (r + s) - middle) - half - 0.5 * length(s - r) < best)
-        best = std::min(best, segments_apart(p, q, r, s));
+      if (std::min(dot(axis, r), dot(axis, s)) - end_of_a < best) best = std::min(best, segments_apart(p, q, r, s));
     }
   }
   return best;
@@ -211,8 +225,8 @@ class NarrowPhaseProblem final : public StudyProblem {
       const Convex first(*shapes_[p.a]), second(*shapes_[p.b]);
       const ConvexPair pair(first, pose_a, second, pose_b);
       const Placed a(features(p.a), nullptr), b(features(p.b), &pair);
-      const double gap = widest_gap(a, b);
-      gaps.push_back(gap > 0 ? nearest_features(a, b) : gap);
+      const WidestGap widest = widest_gap(a, b);
+      gaps.push_back(widest.gap > 0 ? nearest_features(a, b, widest.axis) : widest.gap);
     }
     return known_.emplace_back(Known{turn, step, std::move(gaps)}).gaps;
   }

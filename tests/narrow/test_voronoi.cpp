@@ -263,11 +263,14 @@ TEST_CASE("marching ends at degenerate input", "[narrow][voronoi]") {
         if (i % 3 == 0) pb.rotation = pa.rotation;  // faces and edges exactly parallel
         if (i % 9 == 0) pb.position = vec3(0, Real(i % 2 ? 1 : -1) * Real(1.5), 0);
         PairCache cache;
+        const int before = t.handed_on;
         ask(*a, pa, *b, pb, cache, t);
         ask(*a, pa, *b, pb, cache, t);  // from its own answer
+        CHECK(static_cast<int>(voronoi()->handed_on(cache)) == t.handed_on - before);
       }
   report("degenerate", t);
   CHECK(t.error < 1e-6);
+  CHECK(t.repeats > 0);  // the way out is taken, and rarely
   CHECK(t.repeats <= t.queries / 100);
 }
 
