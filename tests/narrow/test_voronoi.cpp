@@ -14,7 +14,7 @@ using namespace feder;
 namespace {
 
 // Of the distance, by the size. In float the corner that GJK's support function picks may be off by rounding.
-constexpr double kError = sizeof(Real) == 8 ? 1e-12 : 2e-7;
+constexpr double kError = sizeof(Real) == 8 ? 1e-9 : 2e-7;
 
 const NarrowMethod* voronoi() {
   for (const NarrowMethod& m : narrow_methods())
