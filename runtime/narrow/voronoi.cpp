@@ -48,6 +48,7 @@ Double3 kept_start(const PairCache& cache, const ConvexPair& pair) {
 const FeatureGraph& cube_features() {
   static const FeatureGraph graph = [] {
     std::vector<Double3> corners;
+    corners.reserve(8);
     for (int i = 0; i < 8; ++i) corners.push_back({i & 1 ? 1.0 : -1.0, i & 2 ? 1.0 : -1.0, i & 4 ? 1.0 : -1.0});
     std::vector<HullFace> faces;
     for (std::uint16_t k = 0; k < 6; ++k) faces.push_back({Vec3::Zero(), 0, static_cast<std::uint16_t>(4 * k), 4});
