@@ -14,12 +14,7 @@ enum class FlatVerdict : std::uint8_t { moved, closest, inside };
 class FlatMarcher {
  public:
   FlatMarcher(const ConvexPair& pair, const Polygon& a, const Polygon& b) : pair_(pair), side_{a.points(), b.points()} {
-    double reach = length(pair.offset), size = 0;
-    for (const auto& points : side_)
-      for (const Vec2& p : points) {
-        reach += std::abs(double(p[0])) + std::abs(double(p[1]));
-        size += length(at(p) - at(points[0]));
-      }
+    const double reach = length(pair.offset) + a.reach() + b.reach(), size = double(a.size()) + b.size();
     slack_ = kMarchSlack * reach, touch_ = kMarchTouch * size;
   }
 

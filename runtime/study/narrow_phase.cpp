@@ -15,6 +15,7 @@
 #include "feder/error.h"
 #include "geom/hull.h"
 #include "geom/hull_features.h"
+#include "geom/polygon.h"
 #include "narrow/gjk.h"
 #include "study/options.h"
 
@@ -154,8 +155,11 @@ class NarrowPhaseProblem final : public StudyProblem {
  public:
   explicit NarrowPhaseProblem(const Params& given) {
     ProblemOptions o(given, info_);
-    boxes_ = o.choice("shape", "hull", {"hull", "box"}, "sat: boxes alone") == 1;
-    const int vertices = o.integer("vertices", 32, 4, kMaxHullCorners, "of a hull");
+    shape_ = static_cast<Made>(o.choice("shape", "hull", {"hull", "box", "polygon"}, "sat: boxes; epa: not polygons"));
+    const int vertices = o.integer("vertices", 32, 4, kMaxHullCorners, "of a hull, or a polygon, which has at most 32");
+    if (shape_ == Made::polygon && vertices > kMaxFacePoints)
+      throw SceneError("vertices: expected at most " + std::to_string(kMaxFacePoints) + " of a polygon, got " +
+                       std::to_string(vertices));
     const int pairs = o.integer("pairs", 100, 1, 100000, "of shapes, each of size 1 at most");
     const double distance = o.number("distance", 0.1, 0, 1000, "between them, by the size");
     const double overlapping = o.number("overlapping", 0.2, 0, 1, "share of pairs that begin in each other");
@@ -166,7 +170,7 @@ class NarrowPhaseProblem final : public StudyProblem {
     for (int i = 0; i < pairs; ++i) {
       Pair p;
       p.a = rng.next() % shapes_.size(), p.b = rng.next() % shapes_.size();
-      p.axis_a = direction(rng), p.axis_b = direction(rng), p.start_a = turn(rng), p.start_b = turn(rng);
+      p.axis_a = axis(rng), p.axis_b = axis(rng), p.start_a = turn(rng), p.start_b = turn(rng);
       const Vec3 d = direction(rng);
       const Shape &a = *shapes_[p.a], &b = *shapes_[p.b];
       const Real wide = dot(d, rotate(p.start_a, a.support(rotate_inverse(p.start_a, d)))) -
@@ -181,9 +185,9 @@ class NarrowPhaseProblem final : public StudyProblem {
 
   std::vector<MethodInfo> methods() const override {
     std::vector<MethodInfo> all;
-    if (boxes_) all.push_back({"sat", "separating axes of two boxes: overlap and depth"});
+    if (shape_ == Made::box) all.push_back({"sat", "separating axes of two boxes: overlap and depth"});
     all.push_back({"gjk", "distance by support points, from the last normal"});
-    all.push_back({"epa", "gjk, then the depth of overlaps"});
+    if (shape_ != Made::polygon) all.push_back({"epa", "gjk, then the depth of overlaps"});
     for (const NarrowMethod& m : narrow_methods()) all.push_back({m.name, m.summary});
     return all;
   }
@@ -209,6 +213,7 @@ class NarrowPhaseProblem final : public StudyProblem {
     Quat start_a, start_b;
   };
   std::span<const Pair> pairs() const { return pairs_; }
+  bool flat() const { return shape_ == Made::polygon; }
   const std::vector<ShapePtr>& shapes() const { return shapes_; }
   void place(const Pair& p, double turn, int step, Pose& a, Pose& b) const {
     const Real angle = static_cast<Real>(turn * step);
@@ -222,11 +227,7 @@ class NarrowPhaseProblem final : public StudyProblem {
     for (const Pair& p : pairs_) {
       Pose pose_a, pose_b;
       place(p, turn, step, pose_a, pose_b);
-      const Convex first(*shapes_[p.a]), second(*shapes_[p.b]);
-      const ConvexPair pair(first, pose_a, second, pose_b);
-      const Placed a(features(p.a), nullptr), b(features(p.b), &pair);
-      const WidestGap widest = widest_gap(a, b);
-      gaps.push_back(widest.gap > 0 ? nearest_features(a, b, widest.axis) : widest.gap);
+      gaps.push_back(shape_ == Made::polygon ? flat_gap(p, pose_a, pose_b) : solid_gap(p, pose_a, pose_b));
     }
     return known_.emplace_back(Known{turn, step, std::move(gaps)}).gaps;
   }
@@ -240,22 +241,63 @@ class NarrowPhaseProblem final : public StudyProblem {
     int step;
     std::vector<double> gaps;
   };
-  static Vec3 direction(Rng& rng) {
+  enum class Made : std::uint8_t { hull, box, polygon };
+  Vec3 direction(Rng& rng) const {
     for (;;) {
-      const Real z = rng.uniform(-1, 1), y = rng.uniform(-1, 1), x = rng.uniform(-1, 1);
+      const Real z = shape_ == Made::polygon ? Real(0) : rng.uniform(-1, 1), y = rng.uniform(-1, 1),
+                 x = rng.uniform(-1, 1);
       const Vec3 v(x, y, z);
       if (dot(v, v) > Real(0.01) && dot(v, v) <= 1) return v / length(v);
     }
   }
-  static Quat turn(Rng& rng) {
-    const Vec3 axis = direction(rng);
-    return from_axis_angle(axis, rng.uniform(-kPi, kPi));
+  Vec3 axis(Rng& rng) const { return shape_ == Made::polygon ? Vec3(0, 0, 1) : direction(rng); }
+  Quat turn(Rng& rng) const {
+    const Vec3 about = axis(rng);
+    return from_axis_angle(about, rng.uniform(-kPi, kPi));
   }
-  const Features& features(std::size_t shape) const { return hulls_[shape]->features().view(); }
+  double solid_gap(const Pair& p, const Pose& pose_a, const Pose& pose_b) const {
+    const Convex first(*shapes_[p.a]), second(*shapes_[p.b]);
+    const ConvexPair pair(first, pose_a, second, pose_b);
+    const Placed a(features(p.a), nullptr), b(features(p.b), &pair);
+    const WidestGap widest = widest_gap(a, b);
+    return widest.gap > 0 ? nearest_features(a, b, widest.axis) : widest.gap;
+  }
+  // Separating axes of all edges; apart, each corner to each edge.
+  double flat_gap(const Pair& p, const Pose& pose_a, const Pose& pose_b) const {
+    const Convex first(*shapes_[p.a]), second(*shapes_[p.b]);
+    const ConvexPair pair(first, pose_a, second, pose_b);
+    std::vector<Double3> outline[2];
+    for (const Vec2& q : static_cast<const Polygon&>(*shapes_[p.a]).points())
+      outline[0].push_back({double(q[0]), double(q[1]), 0});
+    for (const Vec2& q : static_cast<const Polygon&>(*shapes_[p.b]).points())
+      outline[1].push_back(pair.from_b({double(q[0]), double(q[1]), 0}));
+    double widest = -kBeyond, nearest = kBeyond;
+    for (std::size_t s = 0; s < 2; ++s)
+      for (std::size_t i = 0; i < outline[s].size(); ++i) {
+        const Double3 &tail = outline[s][i], d = outline[s][(i + 1) % outline[s].size()] - tail;
+        const double len = length(d);
+        double low = kBeyond;
+        for (const Double3& q : outline[1 - s]) {
+          const double along = std::min(std::max(dot(q - tail, d) / (len * len), 0.0), 1.0);
+          nearest = std::min(nearest, length(q - tail - along * d));
+          low = std::min(low, (d.y * (q.x - tail.x) - d.x * (q.y - tail.y)) / len);
+        }
+        widest = std::max(widest, low);
+      }
+    return widest > 0 ? nearest : widest;
+  }
+  const Features& features(std::size_t shape) const {
+    return static_cast<const Hull&>(*hulls_[shape]).features().view();
+  }
   // A box has the features of the hull of its corners.
   void make_one(Rng& rng, int vertices) {
     std::vector<Vec3> points;
-    if (boxes_) {
+    if (shape_ == Made::polygon) {
+      std::vector<Vec2> outline;
+      for (int k = 0; k < vertices; ++k) outline.push_back(direction(rng).head<2>() / 2);
+      return shapes_.push_back(make_polygon(outline));
+    }
+    if (shape_ == Made::box) {
       const Real z = rng.uniform(Real(0.2), 1), y = rng.uniform(Real(0.2), 1), x = rng.uniform(Real(0.2), 1);
       shapes_.push_back(make_box(x, y, z));
       for (int k = 0; k < 8; ++k) points.emplace_back((k & 1 ? x : -x) / 2, (k & 2 ? y : -y) / 2, (k & 4 ? z : -z) / 2);
@@ -263,17 +305,17 @@ class NarrowPhaseProblem final : public StudyProblem {
     // merged faces that are not flat have no one distance to be right about
     for (int tries = 0; tries < 10000 && points.empty(); ++tries) {
       for (int k = 0; k < vertices; ++k) points.push_back(direction(rng) / 2);
-      if (Hull(build_hull(points), points).features().view().bent) points.clear();
+      if (static_cast<const Hull&>(*make_hull(points)).features().view().bent) points.clear();
     }
     if (points.empty())
       throw SceneError("vertices: found no hull of " + std::to_string(vertices) + " with flat faces; try fewer");
-    hulls_.push_back(std::make_shared<const Hull>(build_hull(points), points));
-    if (!boxes_) shapes_.push_back(hulls_.back());
+    hulls_.push_back(make_hull(points));
+    if (shape_ == Made::hull) shapes_.push_back(hulls_.back());
   }
 
-  bool boxes_ = false;
+  Made shape_ = Made::hull;
   std::vector<ShapePtr> shapes_;
-  std::vector<std::shared_ptr<const Hull>> hulls_;
+  std::vector<ShapePtr> hulls_;  // whose features are theirs
   std::vector<Pair> pairs_;
   mutable std::vector<Known> known_;
 };
@@ -378,7 +420,8 @@ class NarrowPhaseRun final : public StudyRun {
                 Said& said) {
     const CountedShape &a = *counted_[p.a], &b = *counted_[p.b];
     const std::int64_t before = a.supports;
-    const ConvexPair pair(Convex(a), pose_a, Convex(b), pose_b);
+    ConvexPair pair(Convex(a), pose_a, Convex(b), pose_b);
+    if (problem_.flat()) pair.offset.z = 0;
     Gap gap;
     Simplex simplex;
     const bool apart = gjk_distance(pair, -normal, kBeyond, simplex, gap);
