@@ -55,6 +55,9 @@ return feder.scene {
       local vx, vy, vz = s:velocity()
       energy = energy + s:mass() * (vx * vx + vy * vy + vz * vz) / 2
     end
+    local handed_on = world:residuals()["collide.handed_on"]
+    expect((handed_on ~= nil) == (narrow == "voronoi"), "only marching hands pairs on")
+    expect((handed_on or 0) < count / 4, ("%d pairs went in circles, or are bent"):format(handed_on or 0))
     expect(energy / mass < 1e-3, ("still moving: %.5f J/kg"):format(energy / mass))
     expect(count < 120 or top > 0.7, ("a layer, not a heap: %.2f m high"):format(top))
   end,
