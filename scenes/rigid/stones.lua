@@ -2,8 +2,8 @@
 -- hardly change from one step to the next. narrow_phase = "voronoi" keeps them; --set narrow_phase=gjk starts anew.
 local feder = require "feder"
 
-local count = feder.param("count", 120, { min = 1, max = 2000, step = 1, help = "stones" })
-local corners = feder.param("corners", 24, { min = 8, max = 200, step = 1, help = "points of a stone's hull" })
+local count = feder.param("count", 120, { min = 1, max = 1000, step = 1, help = "stones" })
+local corners = feder.param("corners", 24, { min = 12, max = 200, step = 1, help = "points of a stone's hull" })
 local narrow = feder.param("narrow_phase", "voronoi", { choices = { "voronoi", "gjk", "auto" } })
 
 -- flat, as frost splits them
@@ -50,7 +50,7 @@ return feder.scene {
     local mass, energy, top = 0, 0, 0
     for _, s in ipairs(scene.stones) do
       local _, y = s:position()
-      expect(y > 0.05, "a stone is in the floor: y = " .. y)
+      expect(y > -0.1, "a stone fell through the floor: y = " .. y)
       mass, top = mass + s:mass(), math.max(top, y)
       local vx, vy, vz = s:velocity()
       energy = energy + s:mass() * (vx * vx + vy * vy + vz * vz) / 2
