@@ -2,7 +2,7 @@
 -- hardly change from one step to the next. narrow_phase = "voronoi" keeps them; --set narrow_phase=gjk starts anew.
 local feder = require "feder"
 
-local count = feder.param("count", 120, { min = 1, max = 1000, step = 1, help = "stones" })
+local count = feder.param("count", 120, { min = 1, max = 600, step = 1, help = "stones" })
 local corners = feder.param("corners", 24, { min = 12, max = 200, step = 1, help = "points of a stone's hull" })
 local narrow = feder.param("narrow_phase", "voronoi", { choices = { "voronoi", "gjk", "auto" } })
 
