@@ -15,7 +15,7 @@ namespace feder {
 Collide::Impl::Impl(SystemSetup& setup)
     : arena(setup.store.arena(kName)), commands(setup.commands), colliders(&setup.store.need<Colliders>(kName)),
       contacts(&setup.store.need<Contacts>(kName)), book(&setup.store.need<ContactBook>(kName)),
-      narrow(setup.world.text({"narrow_phase"}, "auto", "auto, gjk")) {
+      narrow(setup.world.text({"narrow_phase"}, "auto", narrow_phase_names())) {
   broad =
       variant_option(setup.world, {"broad_phase"}, broad_phases(), "tree", "broad phase").make(arena, setup.options);
 }
@@ -46,6 +46,12 @@ void Collide::forget(std::uint32_t collider) { impl_->forget(collider); }
 
 void Collide::residuals(std::vector<Residual>& out) const {
   out.push_back({"collide.max_penetration_m", static_cast<double>(max_penetration())});
+  const NarrowMethod* method = impl_->narrow.method();
+  if (!method) return;
+  double handed_on = 0;
+  for (const ContactEntry& e : impl_->all_entries())
+    if (starts_number(e)) handed_on += method->handed_on(impl_->memory[e.pair].cache);
+  out.push_back({"collide.handed_on", handed_on});
 }
 
 void Collide::notes(std::vector<Note>& out) const {
@@ -100,6 +106,7 @@ void Collide::include(ObjectId a, ObjectId b) {
 }
 
 void Collide::check_shape(const Shape& shape) const {
+  impl_->narrow.prepare(shape);
   if (impl_->narrow.complete()) return;
   const Colliders& c = *impl_->colliders;
   for (std::uint32_t k = 0; k < c.size(); ++k)

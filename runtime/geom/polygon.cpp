@@ -66,6 +66,8 @@ Polygon::Polygon(std::vector<Vec2> points, Real radius) : Shape("polygon", true,
   for (std::size_t i = 0; i < points_.size(); ++i) {
     const Vec2 e = points_[(i + 1) % points_.size()] - points_[i];
     normals_.push_back(Vec2(e[1], -e[0]) / e.norm());
+    reach_ = std::max(reach_, points_[i].norm());
+    size_ = std::max(size_, (points_[i] - points_[0]).norm());
   }
 }
 

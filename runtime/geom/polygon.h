@@ -11,6 +11,8 @@ class Polygon final : public Shape {
   Polygon(std::vector<Vec2> points, Real radius);
   std::span<const Vec2> points() const { return points_; }
   std::span<const Vec2> normals() const { return normals_; }  // of the edge from point i to i + 1, outward
+  Real reach() const { return reach_; }                       // farthest corner from the origin of the frame, m
+  Real size() const { return size_; }                         // and from the first corner, m
 
   Aabb bounds(const Pose& pose) const override;
   MassProperties mass(Real density) const override;
@@ -24,6 +26,7 @@ class Polygon final : public Shape {
 
  private:
   std::vector<Vec2> points_, normals_;
+  Real reach_ = 0, size_ = 0;
 };
 
 // Convex hull, counter-clockwise from the lowest x, without points on its edges (Andrew's monotone chain).

@@ -4,7 +4,6 @@
 // normal serves the whole pair.
 #include "narrow/narrow_phase.h"
 #include "narrow/patch.h"
-#include "narrow/reduce.h"
 
 namespace feder {
 namespace {
@@ -33,13 +32,7 @@ int convex_convex(const Shape& a, const Pose& pose_a, const Shape& b, const Pose
   const bool near = core_gap(pair, -load(cache, pair.offset), enough, gap);
   store(gap.normal, cache);
   if (!near) return 0;
-  Patch patch;
-  contact_patch(pair, gap, margin, patch);
-  reduce_points({patch.points, static_cast<std::size_t>(patch.count)}, patch.normal, *out);
-  const Mat3 r = to_matrix(pose_a.rotation);
-  out->normal = r * patch.normal;
-  for (int i = 0; i < out->count; ++i) out->points[i].position = pose_a.position + r * out->points[i].position;
-  return 1;
+  return gap_manifold(pair, gap, margin, pose_a, *out);
 }
 
 }  // namespace

@@ -27,29 +27,17 @@ bool should_touch(const ShapeTraits& a, const ShapeTraits& b) {
 }  // namespace
 
 NarrowPhase::NarrowPhase(const std::string& algorithm, std::span<const PairRow> tests) {
-  if (algorithm != "auto" && algorithm != "gjk")
-    throw SceneError("unknown narrow phase '" + algorithm + "'; known: auto, gjk");
+  for (const NarrowMethod& method : narrow_methods())
+    if (algorithm == method.name) method_ = &method;
+  if (algorithm != "auto" && algorithm != "gjk" && !method_)
+    throw SceneError("unknown narrow phase '" + algorithm + "'; known: " + narrow_phase_names());
   const std::span<const ShapeKind> kinds = shape_kinds();
   kinds_ = static_cast<int>(kinds.size());
   table_.resize(kinds.size() * kinds.size());
-  for (int wanted = 0; wanted <= 2; ++wanted) {
-    for (const PairRow& row : tests) {
-      if (precision(row) != wanted) continue;
-      for (std::size_t i = 0; i < kinds.size(); ++i) {
-        for (std::size_t j = 0; j < kinds.size(); ++j) {
-          const ShapeTraits &a = kinds[i].traits, &b = kinds[j].traits;
-          const bool both_convex = a.convex && b.convex;
-          if (!matches(row.kind_a, kinds[i]) || !matches(row.kind_b, kinds[j])) continue;
-          if (both_convex && a.planar != b.planar) continue;
-          // flat sections have no volume for EPA: they keep their own tests
-          if (algorithm == "gjk" && wanted == 2 && both_convex && !a.planar) continue;
-          table_[i * kinds.size() + j] = {row.test, false, false};
-          const bool same_family = matches(row.kind_a, kinds[j]) && matches(row.kind_b, kinds[i]);
-          if (i != j && !same_family) table_[j * kinds.size() + i] = {row.test, true, false};
-        }
-      }
-    }
-  }
+  for (int wanted = 0; wanted <= 2; ++wanted)
+    for (const PairRow& row : tests) take(row, algorithm == "gjk", wanted);
+  if (method_)
+    for (const PairRow& row : method_->pairs) take(row, false, precision(row));
   for (std::size_t i = 0; i < kinds.size(); ++i) {
     for (std::size_t j = 0; j < kinds.size(); ++j) {
       Entry& entry = table_[i * kinds.size() + j];
@@ -57,6 +45,31 @@ NarrowPhase::NarrowPhase(const std::string& algorithm, std::span<const PairRow> 
       complete_ = complete_ && !entry.lacking;
     }
   }
+}
+
+// Fills in the row where it names its pair so exactly. `generic`: not in place of the test of all convex shapes.
+void NarrowPhase::take(const PairRow& row, bool generic, int wanted) {
+  if (precision(row) != wanted) return;
+  const std::span<const ShapeKind> kinds = shape_kinds();
+  for (std::size_t i = 0; i < kinds.size(); ++i) {
+    for (std::size_t j = 0; j < kinds.size(); ++j) {
+      const ShapeTraits &a = kinds[i].traits, &b = kinds[j].traits;
+      const bool both_convex = a.convex && b.convex;
+      if (!matches(row.kind_a, kinds[i]) || !matches(row.kind_b, kinds[j])) continue;
+      if (both_convex && a.planar != b.planar) continue;
+      // flat sections have no volume for EPA: they keep their own tests
+      if (generic && wanted == 2 && both_convex && !a.planar) continue;
+      table_[i * kinds.size() + j] = {row.test, false, false};
+      const bool same_family = matches(row.kind_a, kinds[j]) && matches(row.kind_b, kinds[i]);
+      if (i != j && !same_family) table_[j * kinds.size() + i] = {row.test, true, false};
+    }
+  }
+}
+
+std::string narrow_phase_names() {
+  std::string all = "auto, gjk";
+  for (const NarrowMethod& method : narrow_methods()) all += std::string(", ") + method.name;
+  return all;
 }
 
 bool NarrowPhase::lacks(const Shape& a, const Shape& b) const {

@@ -7,6 +7,9 @@
 //  - pure: no state but `cache`, and the cache changes the cost, not the result beyond rounding.
 #pragma once
 #include <span>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "feder/shape.h"
 #include "narrow/manifold.h"
@@ -24,11 +27,39 @@ struct PairRow {
 };
 std::span<const PairRow> pair_tests();
 
-// Dispatch tables by kind_id, built once per world. `algorithm`: "auto" (special pair tests, then generic) or "gjk"
-// (generic everywhere it can).
+// The distance of two cores as a method finds it, and how.
+struct CoreDistance {
+  bool overlap = false;
+  double distance = 0;     // m, when apart
+  int steps = 0;           // of its search
+  bool repeat = false;     // it went in a circle
+  bool handed_on = false;  // for that or another reason GJK has answered
+};
+
+// A narrow phase by name: its tests take the place of those of "auto".
+struct NarrowMethod {
+  const char* name;
+  const char* summary;
+  std::vector<PairRow> pairs;
+  void (*prepare)(const Shape&);  // before a shape's first test: what it keeps with shapes
+  // False for shapes that it has no test for. Uses the cache as its tests do.
+  bool (*distance)(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, PairCache& cache,
+                   CoreDistance& out);
+  std::size_t (*bytes)(const Shape&);            // kept with a shape
+  std::uint32_t (*handed_on)(const PairCache&);  // how often a pair was, up to 127
+};
+std::span<const NarrowMethod> narrow_methods();
+std::string narrow_phase_names();  // "auto, gjk, ..."
+
+// Dispatch tables by kind_id, built once per world. `algorithm`: "auto" (special pair tests, then generic), "gjk"
+// (generic everywhere it can), or a method by name (its tests, then those of "auto").
 class NarrowPhase {
  public:
   explicit NarrowPhase(const std::string& algorithm, std::span<const PairRow> tests = pair_tests());
+  void prepare(const Shape& shape) const {
+    if (method_) method_->prepare(shape);
+  }
+  const NarrowMethod* method() const { return method_; }
   int collide(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, Real margin, PairCache& cache,
               Manifold* out) const;
 
@@ -43,7 +74,9 @@ class NarrowPhase {
     bool swapped = false;
     bool lacking = false;
   };
+  void take(const PairRow& row, bool generic, int wanted);
   int kinds_;
+  const NarrowMethod* method_ = nullptr;
   bool complete_ = true;
   std::vector<Entry> table_;  // kinds x kinds
 };

@@ -128,4 +128,14 @@ void contact_patch(const ConvexPair& pair, const Gap& gap, Real margin, Patch& p
   }
 }
 
+int gap_manifold(const ConvexPair& pair, const Gap& gap, Real margin, const Pose& pose_a, Manifold& out) {
+  Patch patch;
+  contact_patch(pair, gap, margin, patch);
+  reduce_points({patch.points, static_cast<std::size_t>(patch.count)}, patch.normal, out);
+  const Mat3 r = to_matrix(pose_a.rotation);
+  out.normal = r * patch.normal;
+  for (int i = 0; i < out.count; ++i) out.points[i].position = pose_a.position + r * out.points[i].position;
+  return 1;
+}
+
 }  // namespace feder

@@ -19,5 +19,7 @@ struct Patch {
 
 // Everything in the frame of a. Has at least one point when the gap, minus the radii, is within the margin.
 void contact_patch(const ConvexPair& pair, const Gap& gap, Real margin, Patch& patch);
+// Its four points, in the world: 1, the count of manifolds.
+int gap_manifold(const ConvexPair& pair, const Gap& gap, Real margin, const Pose& pose_a, Manifold& out);
 
 }  // namespace feder

@@ -32,7 +32,7 @@ FAMILY = {"forces": "force_kinds", "constrain": "joint_kinds", "broad": "broad_p
           "cloth": "cloth_solver", "soft": "soft_solver", "soft.laws": "elastic_laws", "fluid": "fluid_solver",
           "integrate": r"integrators\b", "neighbors": "neighbor_searches", "bounds": "bounding_volumes",
           "bounds.builds": "tree_builds", "bounds.searches": "box_searches",
-          "geom.indexes": "triangle_indexes"}
+          "geom.indexes": "triangle_indexes", "narrow.methods": "narrow_methods"}
 COMMENT = re.compile(r"//[^\n]*|/\*.*?\*/", re.S)
 HASH_COMMENT = re.compile(r"#[^\n]*")
 VARIANT = re.compile(r"^\s*feder_variant\((\w+) (\w+)(?: TABLE (\w+))?", re.M)

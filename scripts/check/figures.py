@@ -150,6 +150,20 @@ def hierarchies(feder, _):
     return "\n".join(rows)
 
 
+def narrow_phases(feder, _):
+    """Steps a query, and what a hull keeps, by corners and by how much a pair turns in a query."""
+    rows = ["| corners of a hull | `gjk`, 1 rad | 0.01 rad | `voronoi`, 1 rad | 0.1 rad | 0.01 rad | 0.001 rad | kept |",
+            "|---|---|---|---|---|---|---|---|"]
+    for corners in (8, 32, 128):
+        points = json.loads(study(feder, "narrow_phase", "--set", f"vertices={corners}", "--json"))["points"]
+        assert all(p["err_constraint"] == 0 and p["err_end"] < 1e-6 and p["rejected"] == 0 for p in points), corners
+        steps = {(p["method"], dict(p["settings"])["turn"]): f"{p['force_evals'] / p['steps']:.1f}" for p in points}
+        kept = {p["method"]: p["peak_bytes"] for p in points}
+        columns = [steps[key] for key in (("gjk", "1"), ("gjk", "0.01"), *(("voronoi", t) for t in ("1", "0.1", "0.01", "0.001")))]
+        rows.append(f"| {corners} | {' | '.join(columns)} | {kept['voronoi'] / 16e3:.1f} kB |")
+    return "\n".join(rows)
+
+
 def rows_of(name):
     with open(ROOT / "tests/bench" / name, newline="") as file:
         return list(csv.DictReader(file))
@@ -377,7 +391,7 @@ BLOCKS = {
     "hello": hello, "tree": tree, "rivals": rivals, "sheets": sheets,
     "plot": lambda f, d: stiff_chain(f, d).split("\n")[0], "plan": plan, "variants": variants, "scenes": scenes, "stiff_chain": stiff_chain, "orbit": orbit, "api": api,
     "rivals_all": rivals_all, "tolerances": tolerances, "fluids": fluids, "cloths": cloths,
-    "hierarchies": hierarchies,
+    "hierarchies": hierarchies, "narrow_phases": narrow_phases,
 }
 renewing = False
 

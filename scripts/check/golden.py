@@ -32,7 +32,8 @@ SMALLER = {"scenes/cloth/fold.lua": "--set rows=20", "scenes/cloth/tablecloth.lu
            "scenes/fluid/glass.lua": "--set spacing=0.012", "scenes/study/siphon.lua": "--set particles=40",
            "scenes/study/honey_fold.lua": "--set particles=40", "scenes/study/droplet_3d.lua": "--set particles=14",
            "scenes/rigid/wall.lua": "--set rows=8 --set length=12", "scenes/rigid/columns.lua": "--set side=2",
-           "scenes/rigid/mixed_pile.lua": "--set count=40", "scenes/rigid/quarry.lua": "--set cuts=12"}
+           "scenes/rigid/mixed_pile.lua": "--set count=40", "scenes/rigid/stones.lua": "--set count=40",
+           "scenes/rigid/quarry.lua": "--set cuts=12"}
 # two thirds of the time of all: scripts/test looks at their first 60 steps alone, scripts/test --all at 240
 LONG = ("scenes/rigid/ragdolls.lua --world rigid.solver=impulse", "scenes/rigid/joint_grid.lua --world rigid.solver=impulse",
         "scenes/study/added_mass.lua", "scenes/fluid/floating_crates.lua --set spacing=0.06",

@@ -99,7 +99,8 @@ void check_case(const NarrowPhase& narrow, const Case& c, Rng& rng) {
 TEST_CASE("pairs of convex shapes keep the narrow-phase contract", "[narrow][contract]") {
   const int kinds = static_cast<int>(shape_kinds().size());
   const int i = GENERATE_COPY(range(0, kinds));
-  const char* algorithm = GENERATE("auto", "gjk");
+  const int method = GENERATE(range(-2, static_cast<int>(narrow_methods().size())));
+  const char* algorithm = method == -2 ? "auto" : method == -1 ? "gjk" : narrow_methods()[std::size_t(method)].name;
   const NarrowPhase narrow(algorithm);
   Rng rng(static_cast<std::uint64_t>(i) + 1);
   for (int j = i; j < kinds; ++j) {
@@ -118,6 +119,7 @@ TEST_CASE("a pair that a build has no test for is known", "[narrow]") {
   // planes and meshes among themselves never touch, nor do 2D sections and solids; of all others there is a test
   CHECK(NarrowPhase("auto").complete());
   CHECK(NarrowPhase("gjk").complete());
+  for (const NarrowMethod& method : narrow_methods()) CHECK(NarrowPhase(method.name).complete());
   std::vector<PairRow> rows;
   for (const PairRow& row : pair_tests())
     if (std::string(row.kind_a) != "convex" || std::string(row.kind_b) != "convex") rows.push_back(row);
