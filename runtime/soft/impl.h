@@ -146,6 +146,7 @@ struct Soft::Impl {
   Vec3 gravity = Vec3::Zero();  // of the last step: a change wakes all
   Array<MassPoint> points{&arena};
   Array<Vec3> forces{&arena};                             // N
+  Array<Real> skin_area{&arena};                          // by point, m^2
   Array<StressSum> stress{&arena};                        // by point, of the body that is looked at
   Array<std::pair<Tension, std::uint32_t>> torn{&arena};  // beyond its fracture stress, and the point
   Array<Vec3> as_is{&arena}, faster{&arena};              // N, of one force, and on points that are faster
@@ -197,13 +198,11 @@ struct Soft::Impl {
         if (b.active() && b.prepared) f(b);
       }
   }
-  // Wind, which acts on areas, does not act on soft bodies.
   template <class F>
   void each_force(const SoftBody& b, F&& f) const {
-    each_acting(store.find<Forces>(), b.object, objects.tags(b.object), [&](const ForceEntry& entry) {
-      if (!entry.force->on_area()) f(entry);
-    });
+    each_acting(store.find<Forces>(), b.object, objects.tags(b.object), f);
   }
+  void add_wind(const SoftBody& b, const Force& wind, double time, Real h);  // wind.cpp
   // A point as generators see it, with the volume of its share of the tetrahedra and the area of a ball of it.
   MassPoint mass_point(const SoftBody& b, std::uint32_t i) const;
 };

@@ -46,7 +46,9 @@ void Soft::Impl::update_sleep(SoftBody& b, StepContext& c) {
   energy = Real(0.5) * energy / b.total_mass;
   const Real cap = kSoftSpeed * kSoftSpeed * 25, keep = 1 / (1 + c.dt / kSoftMemory);
   b.state.sleep_energy = std::min(energy + (std::min(b.state.sleep_energy, cap) - energy) * keep, cap);
-  if (b.state.sleep_energy > Real(0.5) * kSoftSpeed * kSoftSpeed) {
+  bool steady = true;  // wind may gust
+  each_force(b, [&](const ForceEntry& f) { steady = steady && !f.force->on_area(); });
+  if (!steady || b.state.sleep_energy > Real(0.5) * kSoftSpeed * kSoftSpeed) {
     b.state.sleep_steps = 0;
     return;
   }

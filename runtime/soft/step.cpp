@@ -158,6 +158,7 @@ void Soft::Impl::add_forces(SoftBody& b, StepContext& c) {
   forces.assign(b.script_force.begin(), b.script_force.end());
   points.clear(), b.kept.clear();
   each_force(b, [&](const ForceEntry& f) {
+    if (f.force->on_area()) return add_wind(b, *f.force, time, c.h);
     const Real most = kMostDrag * store.get<Forces>().drag_share() / c.h;
     if (points.empty())
       for (std::uint32_t i = 0; i < b.size(); ++i) {
