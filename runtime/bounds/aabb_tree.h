@@ -9,6 +9,7 @@
 
 #include "bounds/box_query.h"
 #include "bounds/segment_box.h"
+#include "bounds/work.h"
 #include "feder/memory.h"
 #include "feder/types.h"
 
@@ -33,8 +34,18 @@ class AabbTree {
   // Calls visit(item) for every leaf whose box overlaps `box`, in no particular order.
   template <class Visit>
   void query(const Aabb& box, Visit&& visit) const {
+    Uncounted none;
+    query(box, visit, none);
+  }
+  template <class Visit, class Work>
+  void query(const Aabb& box, Visit&& visit, Work& work) const {
     const BoxQuery query(box);
-    descend([&](const Aabb& node) { return query.meets(node); }, visit);
+    descend(
+        [&](const Aabb& node) {
+          work.visit();
+          return query.meets(node);
+        },
+        visit);
   }
   template <class Visit>
   void query_ray(const Vec3& origin, const Vec3& ray, Visit&& visit) const {

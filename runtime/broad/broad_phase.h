@@ -18,6 +18,11 @@ struct IndexPair {
 
 enum class BoxMotion : std::uint8_t { absent, still, moving };  // absent: skipped; two still boxes make no pair
 
+// Nodes and cells looked at, boxes compared with boxes, and ends of boxes that changed places.
+struct BroadWork {
+  std::uint64_t visits = 0, tests = 0, swaps = 0;
+};
+
 // Contract, checked for every registered variant by tests/broad/test_broad_contract.cpp:
 //  - the pairs are exactly the overlapping ones (closed boxes) with at least one moving member, sorted;
 //  - so equal boxes give equal pairs in equal order, whatever was asked before;
@@ -38,6 +43,9 @@ class BroadPhase {
   virtual void query(const Aabb& box, Array<std::uint32_t>& found) const = 0;
   virtual void query_still(const Aabb& box, Array<std::uint32_t>& found) const { query(box, found); }
   virtual void query_ray(const Vec3& origin, const Vec3& ray, Array<std::uint32_t>& found) const = 0;
+
+  // Of the last find_pairs(), without what building takes. For studies: searches are repeated to be counted.
+  virtual BroadWork work() const = 0;
 };
 
 std::span<const Variant<BroadPhase>> broad_phases();

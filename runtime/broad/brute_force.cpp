@@ -40,6 +40,12 @@ class BruteForce final : public BroadPhase {
       if (motion_[i] != BoxMotion::absent && segment_hits(boxes_[i], origin, ray)) found.push_back(i);
   }
 
+  BroadWork work() const override {
+    std::uint64_t still = 0, moving = 0;
+    for (const BoxMotion m : motion_) still += m == BoxMotion::still, moving += m == BoxMotion::moving;
+    return {0, moving * still + moving * (moving - std::min<std::uint64_t>(moving, 1)) / 2, 0};
+  }
+
  private:
   Array<Aabb> boxes_;
   Array<BoxMotion> motion_;

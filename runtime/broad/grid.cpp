@@ -45,12 +45,17 @@ class GridIndex {
     for (std::size_t k = 0; k < order_.size(); ++k) item_[k] = small_[order_[k]], sorted_[k] = boxes[item_[k]];
   }
 
-  template <class F>
-  void query(const Aabb& box, F&& visit) const {
+  template <class F, class W>
+  void query(const Aabb& box, F&& visit, W& work) const {
     const BoxQuery wanted(box);
-    each_near(box, [&](std::uint32_t k) {
-      if (wanted.meets(sorted_[k])) visit(item_[k]);
-    });
+    each_near(
+        box,
+        [&](std::uint32_t k) {
+          work.test();
+          if (wanted.meets(sorted_[k])) visit(item_[k]);
+        },
+        work);
+    work.test(large_.size());
     for (std::size_t k = 0; k < large_.size(); ++k)
       if (wanted.meets(large_box_[k])) visit(large_[k]);
   }
@@ -58,9 +63,12 @@ class GridIndex {
   template <class F>
   void query_ray(const Vec3& origin, const Vec3& ray, F&& visit) const {
     if (!item_.empty()) {
+      Uncounted none;
       const bool done =
-          each_ray_piece(bounds_, origin, ray, width_, static_cast<double>(item_.size()),
-                         [&](const Aabb& piece) { each_near(piece, [&](std::uint32_t k) { visit(item_[k]); }); });
+          each_ray_piece(bounds_, origin, ray, width_, static_cast<double>(item_.size()), [&](const Aabb& piece) {
+            each_near(
+                piece, [&](std::uint32_t k) { visit(item_[k]); }, none);
+          });
       if (!done)
         for (const std::uint32_t i : item_) visit(i);
     }
@@ -72,8 +80,8 @@ class GridIndex {
   static Vec3 middle(const Aabb& b) { return Real(0.5) * (b.lo + b.hi); }
 
   // Places whose boxes may overlap `box`.
-  template <class F>
-  void each_near(const Aabb& box, F&& f) const {
+  template <class F, class W>
+  void each_near(const Aabb& box, F&& f, W& work) const {
     if (item_.empty()) return;
     int from[3], to[3];
     for (int k = 0; k < 3; ++k) {
@@ -83,7 +91,7 @@ class GridIndex {
       from[k] = cells_.coordinate(k, box.lo[k] - slack), to[k] = cells_.coordinate(k, box.hi[k] + slack);
     }
     for (int z = from[2]; z <= to[2]; ++z)
-      for (int y = from[1]; y <= to[1]; ++y)
+      for (int y = from[1]; y <= to[1]; ++y, work.visit())  // a row of cells
         for (std::uint32_t k = cells_.first(from[0], y, z), end = cells_.last(to[0], y, z); k < end; ++k) f(k);
   }
 

@@ -45,35 +45,44 @@ class HashGridIndex {
     for (std::size_t k = 0; k < order_.size(); ++k) sorted_[k] = entry_[order_[k]], boxes_[k] = boxes[sorted_[k].item];
   }
 
-  template <class F>
-  void query(const Aabb& box, F&& visit) const {
+  template <class F, class W>
+  void query(const Aabb& box, F&& visit, W& work) const {
     const BoxQuery wanted(box);
     for (std::uint32_t n = 0; n < levels_.size(); ++n)
       if (overlaps(levels_[n].bounds, box))
-        each_near(n, box, [&](std::size_t k) {
-          if (wanted.meets(boxes_[k])) visit(sorted_[k].item);
-        });
+        each_near(
+            n, box,
+            [&](std::size_t k) {
+              work.test();
+              if (wanted.meets(boxes_[k])) visit(sorted_[k].item);
+            },
+            work);
   }
 
   static constexpr bool kFinerFinds = true;
-  template <class F>
-  void pairs_of(const Aabb& box, F&& visit) const {
+  template <class F, class W>
+  void pairs_of(const Aabb& box, F&& visit, W& work) const {
     const BoxQuery wanted(box);
     const int own = exponent_of(box);
     for (std::uint32_t n = 0; n < levels_.size(); ++n)
       if (levels_[n].exponent >= own && overlaps(levels_[n].bounds, box))
-        each_near(n, box, [&](std::size_t k) {
-          if (wanted.meets(boxes_[k])) visit(sorted_[k].item, levels_[n].exponent > own);
-        });
+        each_near(
+            n, box,
+            [&](std::size_t k) {
+              work.test();
+              if (wanted.meets(boxes_[k])) visit(sorted_[k].item, levels_[n].exponent > own);
+            },
+            work);
   }
 
   template <class F>
   void query_ray(const Vec3& origin, const Vec3& ray, F&& visit) const {
+    Uncounted none;
     for (std::uint32_t n = 0; n < levels_.size(); ++n) {
       const auto found = [&](std::size_t k) { visit(sorted_[k].item); };
       const bool done =
           each_ray_piece(levels_[n].bounds, origin, ray, 1 / levels_[n].inv, static_cast<double>(levels_[n].count),
-                         [&](const Aabb& piece) { each_near(n, piece, found); });
+                         [&](const Aabb& piece) { each_near(n, piece, found, none); });
       if (!done) each_of(n, found);
     }
   }
@@ -118,8 +127,8 @@ class HashGridIndex {
   }
 
   // Places of a level whose boxes may overlap `box`: middles lie at most half a cell outside it.
-  template <class F>
-  void each_near(std::uint32_t level, const Aabb& box, F&& f) const {
+  template <class F, class W>
+  void each_near(std::uint32_t level, const Aabb& box, F&& f, W& work) const {
     const Level& of = levels_[level];
     CellNumber from[3], to[3];
     double count = 1;
@@ -136,6 +145,7 @@ class HashGridIndex {
       for (c[1] = from[1]; c[1] <= to[1]; ++c[1])
         for (c[0] = from[0]; c[0] <= to[0]; ++c[0]) {
           const std::size_t b = bucket(level, c);
+          work.visit();
           for (std::size_t k = start_[b]; k < start_[b + 1]; ++k) {
             const Entry& e = sorted_[k];
             if (e.level == level && e.cell[0] == c[0] && e.cell[1] == c[1] && e.cell[2] == c[2]) f(k);

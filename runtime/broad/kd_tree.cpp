@@ -28,8 +28,8 @@ class KdTreeIndex {
     for (std::size_t k = 0; k < sort_.size(); ++k) item_[k] = sort_[k].item, boxes_[k] = boxes[item_[k]];
   }
 
-  template <class F>
-  void query(const Aabb& box, F&& visit) const {
+  template <class F, class W>
+  void query(const Aabb& box, F&& visit, W& work) const {
     if (nodes_.empty()) return;
     const BoxQuery wanted(box);
     std::uint32_t stack[kDepth];
@@ -37,7 +37,9 @@ class KdTreeIndex {
     stack[top++] = 0;
     while (top > 0) {
       const Node& n = nodes_[stack[--top]];
+      work.visit();
       if (n.axis == kLeafAxis) {
+        work.test(n.end - n.first);
         for (std::uint32_t k = n.first; k < n.end; ++k)
           if (wanted.meets(boxes_[k])) visit(item_[k]);
         continue;

@@ -32,13 +32,18 @@ class OctreeIndex {
     }
   }
 
-  template <class F>
-  void query(const Aabb& box, F&& visit) const {
+  template <class F, class W>
+  void query(const Aabb& box, F&& visit, W& work) const {
     const BoxQuery wanted(box);
-    descend([&](const Aabb& bounds) { return wanted.meets(bounds); },
-            [&](std::uint32_t k) {
-              if (wanted.meets(boxes_[k])) visit(item_[k]);
-            });
+    descend(
+        [&](const Aabb& bounds) {
+          work.visit();
+          return wanted.meets(bounds);
+        },
+        [&](std::uint32_t k) {
+          work.test();
+          if (wanted.meets(boxes_[k])) visit(item_[k]);
+        });
   }
   template <class F>
   void query_ray(const Vec3& origin, const Vec3& ray, F&& visit) const {

@@ -5,15 +5,17 @@
 #include <vector>
 
 #include "bounds/segment_box.h"
+#include "bounds/work.h"
 #include "broad/pair_sort.h"
 
 namespace feder {
 
 // `Index` answers over those boxes that are bounded:
 //  - build(boxes, listed, jobs): of the boxes with the numbers `listed`;
-//  - query(box, visit): visit(i) once for each that overlaps `box`;
-//  - kFinerFinds, if it has it: pairs_of(box, visit) takes the place of query for pairs: visit(i, once) where `once`
-//    says that the query of i does not find this box;
+//  - query(box, visit, work): visit(i) once for each that overlaps `box`; tells `work` (bounds/work.h) what it looks
+//  at;
+//  - kFinerFinds, if it has it: pairs_of(box, visit, work) takes the place of query for pairs: visit(i, once) where
+//    `once` says that the query of i does not find this box;
 //  - query_ray(origin, ray, visit): visit(i) at least once for each that the segment hits, and for others.
 template <class Index>
 class RebuiltPhase final : public BroadPhase {
@@ -35,7 +37,9 @@ class RebuiltPhase final : public BroadPhase {
 
   void query(const Aabb& box, Array<std::uint32_t>& found) const override {
     found.clear();
-    index_.query(box, [&](std::uint32_t i) { found.push_back(i); });
+    Uncounted none;
+    index_.query(
+        box, [&](std::uint32_t i) { found.push_back(i); }, none);
     for (const std::uint32_t i : side_)
       if (overlaps(boxes_[i], box)) found.push_back(i);
     std::sort(found.begin(), found.end());
@@ -53,6 +57,15 @@ class RebuiltPhase final : public BroadPhase {
     for (const std::uint32_t i : side_) visit(i);
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
+  }
+
+  BroadWork work() const override {
+    Counted all;
+    for (const std::uint32_t i : asking_)
+      pairs_of(
+          i, [](std::uint32_t) {}, all);
+    all.test(side_.size() * (listed_.size() + side_.size()));
+    return {all.visits, all.tests, 0};
   }
 
  private:
@@ -78,17 +91,23 @@ class RebuiltPhase final : public BroadPhase {
     }
   }
 
-  template <class F>
-  void pairs_of(std::uint32_t i, F&& report) const {
+  template <class F, class W>
+  void pairs_of(std::uint32_t i, F&& report, W& work) const {
     if constexpr (requires { Index::kFinerFinds; })
-      index_.pairs_of(boxes_[i], [&](std::uint32_t j, bool once) {
-        if (j != i && (once || j > i) && (motion_[i] == BoxMotion::moving || motion_[j] == BoxMotion::moving))
-          report(j);
-      });
+      index_.pairs_of(
+          boxes_[i],
+          [&](std::uint32_t j, bool once) {
+            if (j != i && (once || j > i) && (motion_[i] == BoxMotion::moving || motion_[j] == BoxMotion::moving))
+              report(j);
+          },
+          work);
     else
-      index_.query(boxes_[i], [&](std::uint32_t j) {
-        if (j > i || (j < i && motion_[j] == BoxMotion::still)) report(j);
-      });
+      index_.query(
+          boxes_[i],
+          [&](std::uint32_t j) {
+            if (j > i || (j < i && motion_[j] == BoxMotion::still)) report(j);
+          },
+          work);
   }
 
   // Of two that move the lower number reports.
@@ -100,7 +119,13 @@ class RebuiltPhase final : public BroadPhase {
                       Array<IndexPair>& found = found_by_[static_cast<std::size_t>(worker)];
                       for (std::uint32_t n = first; n < last; ++n) {
                         const std::uint32_t i = asking_[n];
-                        pairs_of(i, [&](std::uint32_t j) { found.push_back({std::min(i, j), std::max(i, j)}); });
+                        Uncounted none;
+                        pairs_of(
+                            i,
+                            [&](std::uint32_t j) {
+                              found.push_back({std::min(i, j), std::max(i, j)});
+                            },
+                            none);
                       }
                     });
     pairs.clear();

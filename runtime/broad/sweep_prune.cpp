@@ -29,6 +29,7 @@ class SweepPrune final : public BroadPhase {
     boxes_.assign(boxes.begin(), boxes.end());
     const auto count = static_cast<std::uint32_t>(boxes.size());
     added_.clear(), removed_.clear();
+    work_ = {};
     if (!enlist(motion) || !sort_ends())
       sweep_all(jobs);
     else
@@ -53,6 +54,8 @@ class SweepPrune final : public BroadPhase {
     for (std::uint32_t i = 0; i < listed_.size(); ++i)
       if (listed_[i] && segment_hits(boxes_[i], origin, ray)) found.push_back(i);
   }
+
+  BroadWork work() const override { return work_; }
 
  private:
   static constexpr std::size_t kMostSwaps = 12;  // per end and axis, beyond which a full sort may be cheaper
@@ -118,8 +121,10 @@ class SweepPrune final : public BroadPhase {
         }
         ends[at] = e;
         swaps += n - at;
-        if (swaps > most) return false;
+        if (swaps > most) break;
       }
+      work_.swaps += swaps;
+      if (swaps > most) return false;
     }
     return true;
   }
@@ -127,7 +132,9 @@ class SweepPrune final : public BroadPhase {
   // A lower end that came below an upper one: the two may overlap now; an upper end below a lower one: no longer.
   void note(const End& e, const End& passed) {
     const std::uint32_t i = std::min(e.item(), passed.item()), j = std::max(e.item(), passed.item());
-    if (i == j || overlaps(boxes_[i], boxes_[j]) == e.upper()) return;
+    if (i == j) return;
+    ++work_.tests;
+    if (overlaps(boxes_[i], boxes_[j]) == e.upper()) return;
     if (were_overlapping(i, j) == e.upper()) (e.upper() ? removed_ : added_).push_back({i, j});
   }
 
@@ -172,7 +179,7 @@ class SweepPrune final : public BroadPhase {
         const std::uint32_t j = ends[m].item();
         if (!ends[m].upper() && overlaps(box, boxes_[j])) kept_.push_back({std::min(i, j), std::max(i, j)});
       }
-      swept_ += m - n;
+      swept_ += m - n, work_.tests += m - n;
     }
     sorter_.sort(kept_, static_cast<std::uint32_t>(boxes_.size()), jobs);
   }
@@ -199,6 +206,7 @@ class SweepPrune final : public BroadPhase {
   Array<IndexPair> added_, removed_;
   PairSort sorter_;
   int axis_ = 0;
+  BroadWork work_;         // of the last call
   std::size_t swept_ = 0;  // ends looked at in the last full sweep
 };
 

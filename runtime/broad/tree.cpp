@@ -45,6 +45,7 @@ class Tree final : public BroadPhase {
 
   void find_pairs(std::span<const Aabb> boxes, std::span<const BoxMotion> motion,
                   std::span<const std::uint32_t> touched, Array<IndexPair>& pairs, JobPool& jobs) override {
+    looked_at_ = touched.size();
     update_leaves(boxes, motion, touched);
     if (!changed_.empty()) query_changed(jobs);
     if (!transfers_.empty()) merge_candidates(jobs);
@@ -85,6 +86,16 @@ class Tree final : public BroadPhase {
     moving_.query_ray(origin, ray, visit);
     for (const std::uint32_t i : side_) visit(i);
     std::sort(found.begin(), found.end());
+  }
+
+  // The boxes that are looked at, those whose neighbours were found anew, and candidates.
+  BroadWork work() const override {
+    Counted all;
+    for (const std::uint32_t i : changed_)
+      if (leaves_[i].location > kSide)
+        each_near(
+            i, [](std::uint32_t) {}, all);
+    return {all.visits, looked_at_ + candidates_.size() + side_.size() * boxes_.size(), 0};
   }
 
  private:
@@ -204,8 +215,14 @@ class Tree final : public BroadPhase {
       if (j == i || (leaves_[j].changed && j < i)) return;
       found.push_back({std::min(i, j), std::max(i, j)});
     };
-    moving_.query(fat_[i], visit);
-    if (leaves_[i].location == kMovingTree) still_.query(fat_[i], visit);
+    Uncounted none;
+    each_near(i, visit, none);
+  }
+
+  template <class F, class W>
+  void each_near(std::uint32_t i, F&& visit, W& work) const {
+    moving_.query(fat_[i], visit, work);
+    if (leaves_[i].location == kMovingTree) still_.query(fat_[i], visit, work);
   }
 
   // Marks those candidates for which stays(pair), a bit each.
@@ -303,7 +320,8 @@ class Tree final : public BroadPhase {
   Slack found_slack_;
   Array<std::uint64_t> marked_;  // a bit per candidate
   PairSort sorter_;
-  int refits_ = 0;  // since the tree was built
+  int refits_ = 0;             // since the tree was built
+  std::size_t looked_at_ = 0;  // boxes in the last call
   AabbTree still_, moving_;
 };
 
