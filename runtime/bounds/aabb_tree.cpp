@@ -126,11 +126,15 @@ void AabbTree::rotate(std::uint32_t top) {
   nodes_[lower].box = joined(nodes_[nodes_[lower].child[0]].box, nodes_[nodes_[lower].child[1]].box);
 }
 
-void AabbTree::build(std::span<std::uint32_t> items, const Array<Aabb>& boxes, Array<std::uint32_t>& leaf_of) {
-  nodes_.clear();
+void AabbTree::build(std::span<const std::uint32_t> items, const Array<Aabb>& boxes, Array<std::uint32_t>& leaf_of) {
+  nodes_.clear(), middles_.clear();
   free_ = root_ = kNone;
   leaves_ = static_cast<std::uint32_t>(items.size());
-  if (!items.empty()) root_ = build_node(items, boxes, leaf_of);
+  for (const std::uint32_t i : items) {
+    const Vec3 c = Real(0.5) * (boxes[i].lo + boxes[i].hi);
+    middles_.push_back({{c[0], c[1], c[2]}, i});
+  }
+  if (!items.empty()) root_ = build_node({middles_.data(), middles_.size()}, boxes, leaf_of);
 }
 
 void AabbTree::refit(const Array<Aabb>& boxes) {
@@ -149,24 +153,16 @@ void AabbTree::refit(const Array<Aabb>& boxes) {
   }
 }
 
-std::uint32_t AabbTree::build_node(std::span<std::uint32_t> items, const Array<Aabb>& boxes,
+std::uint32_t AabbTree::build_node(std::span<BoxMiddle> items, const Array<Aabb>& boxes,
                                    Array<std::uint32_t>& leaf_of) {
   const std::uint32_t node = take();
   if (items.size() == 1) {
-    nodes_[node].box = boxes[items[0]];
-    nodes_[node].child[1] = items[0];
-    return leaf_of[items[0]] = node;
+    nodes_[node].box = boxes[items[0].item];
+    nodes_[node].child[1] = items[0].item;
+    return leaf_of[items[0].item] = node;
   }
-  Aabb centers;
-  for (const std::uint32_t i : items) centers.include(Vec3((boxes[i].lo + boxes[i].hi) * Real(0.5)));
-  const Vec3 size = centers.hi - centers.lo;
-  const int axis = size[0] >= size[1] && size[0] >= size[2] ? 0 : size[1] >= size[2] ? 1 : 2;
   const std::size_t half = items.size() / 2;
-  std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(half), items.end(),
-                   [&](std::uint32_t i, std::uint32_t j) {
-                     const Real a = boxes[i].lo[axis] + boxes[i].hi[axis], b = boxes[j].lo[axis] + boxes[j].hi[axis];
-                     return a < b || (a == b && i < j);
-                   });
+  divide_middles(items, half);
   const std::uint32_t left = build_node(items.first(half), boxes, leaf_of);
   const std::uint32_t right = build_node(items.subspan(half), boxes, leaf_of);
   nodes_[node].child[0] = left, nodes_[node].child[1] = right;

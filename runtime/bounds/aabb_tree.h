@@ -8,6 +8,7 @@
 #include <span>
 
 #include "bounds/box_query.h"
+#include "bounds/middles.h"
 #include "bounds/segment_box.h"
 #include "bounds/work.h"
 #include "feder/memory.h"
@@ -17,7 +18,7 @@ namespace feder {
 
 class AabbTree {
  public:
-  explicit AabbTree(Arena& arena) : nodes_(&arena), inner_(&arena) {}
+  explicit AabbTree(Arena& arena) : nodes_(&arena), middles_(&arena), inner_(&arena) {}
 
   std::uint32_t leaves() const { return leaves_; }
   // The node of a new leaf that holds `item`.
@@ -25,8 +26,8 @@ class AabbTree {
   void remove(std::uint32_t leaf);
   const Aabb& box(std::uint32_t node) const { return nodes_[node].box; }
 
-  // Drops all leaves and makes one per item. `leaf_of[item]` receives the node. Reorders `items`.
-  void build(std::span<std::uint32_t> items, const Array<Aabb>& boxes, Array<std::uint32_t>& leaf_of);
+  // Drops all leaves and makes one per item. `leaf_of[item]` receives the node.
+  void build(std::span<const std::uint32_t> items, const Array<Aabb>& boxes, Array<std::uint32_t>& leaf_of);
 
   // The same leaves with other boxes, by item. Neighbours in the tree stay neighbours: build() now and then.
   void refit(const Array<Aabb>& boxes);
@@ -91,9 +92,10 @@ class AabbTree {
   std::uint32_t best_sibling(const Aabb& box) const;
   void refit_up(std::uint32_t node);
   void rotate(std::uint32_t node);
-  std::uint32_t build_node(std::span<std::uint32_t> items, const Array<Aabb>& boxes, Array<std::uint32_t>& leaf_of);
+  std::uint32_t build_node(std::span<BoxMiddle> items, const Array<Aabb>& boxes, Array<std::uint32_t>& leaf_of);
 
   Array<Node> nodes_;
+  Array<BoxMiddle> middles_;    // work memory of build()
   Array<std::uint32_t> inner_;  // nodes with children, each after its parent, while boxes are refitted
   std::uint32_t root_ = kNone;
   std::uint32_t free_ = kNone;

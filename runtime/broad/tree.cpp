@@ -22,7 +22,11 @@ namespace {
 // number of candidates hardly grows; plus this many steps of the last motion, which pays for boxes on their way.
 constexpr Real kFatMargin = Real(0.1);
 constexpr Real kFatSteps = 4;
-constexpr int kMostRefits = 8;  // of a tree between two builds: more do not help in a drum that turns
+// In that motion, of the mean side: what moves by more leaves any box soon that is not met by too many others, and a
+// teleport says nothing about the next steps.
+constexpr Real kMostFat = Real(0.75);
+constexpr int kMostRefits = 8;      // of a tree between two builds: more do not help in a drum that turns
+constexpr double kMostStrayed = 1;  // nor where boxes went by more than their mean side since
 
 constexpr JobGrain kQueryGrain{64, 15'000}, kPairGrain{2048, 8'000};  // boxes; pairs
 
@@ -113,14 +117,16 @@ class Tree final : public BroadPhase {
 
   AabbTree& tree(Location location) { return location == kStillTree ? still_ : moving_; }
 
-  Aabb fattened(std::uint32_t i, const Aabb& box) const {
+  Aabb fattened(std::uint32_t i, const Aabb& box) {
     const Vec3 size = box.hi - box.lo;
+    const Real side = (size[0] + size[1] + size[2]) / 3;
+    const bool followed = i < boxes_.size() && leaves_[i].location == kMovingTree;
+    const Vec3 step = followed ? Vec3((box.lo - boxes_[i].lo) * kFatSteps) : Vec3(0, 0, 0);
+    const Real way = length(step);
+    if (side > 0 && std::isfinite(way)) way_ += static_cast<double>(way / side) / double(kFatSteps);
+    if (way > kMostFat * side) return box;
     Aabb fat = box;
-    fat.grow(kFatMargin * (size[0] + size[1] + size[2]) / 3);
-    if (i >= boxes_.size() || leaves_[i].location != kMovingTree) return fat;
-    const Vec3 step = (box.lo - boxes_[i].lo) * kFatSteps;
-    // a teleport says nothing about the next steps
-    if (length(step) > kFatSteps * (size[0] + size[1] + size[2])) return fat;
+    fat.grow(kFatMargin * side);
     fat.lo += step.cwiseMin(Vec3::Zero());
     fat.hi += step.cwiseMax(Vec3::Zero());
     return fat;
@@ -148,8 +154,10 @@ class Tree final : public BroadPhase {
       changed_.push_back(i);
       if (wanted > kSide) fat_[i] = wanted == kMovingTree ? fattened(i, boxes[i]) : boxes[i];
     };
+    way_ = 0;
     for (const std::uint32_t i : touched) update(i);
     for (std::uint32_t i = count; i < leaves_.size(); ++i) update(i);
+    if (!touched.empty()) strayed_ += way_ / static_cast<double>(touched.size());
     place_leaves();
   }
 
@@ -165,8 +173,8 @@ class Tree final : public BroadPhase {
     for (const Transfer& c : transfers_)
       if (!refit || !stays(c)) transfer(c.box, c.location);
     if (!refit) return;
-    if (++refits_ < kMostRefits) return moving_.refit(fat_);
-    refits_ = 0;
+    if (++refits_ < kMostRefits && strayed_ < kMostStrayed) return moving_.refit(fat_);
+    refits_ = 0, strayed_ = 0;
     list_location(kMovingTree, items_);
     moving_.build(items_, fat_, nodes_);
   }
@@ -320,8 +328,9 @@ class Tree final : public BroadPhase {
   Slack found_slack_;
   Array<std::uint64_t> marked_;  // a bit per candidate
   PairSort sorter_;
-  int refits_ = 0;             // since the tree was built
-  std::size_t looked_at_ = 0;  // boxes in the last call
+  int refits_ = 0;                // since the tree was built
+  double way_ = 0, strayed_ = 0;  // by their sides, of those that left their fat boxes: in a call, and since then
+  std::size_t looked_at_ = 0;     // boxes in the last call
   AabbTree still_, moving_;
 };
 
