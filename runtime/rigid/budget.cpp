@@ -205,7 +205,7 @@ void Rigid::Impl::carried_weights(std::span<const Pile> piles, Real* out, StepCo
     for (const std::uint32_t i : moving) out[i] = sum[i];
 }
 
-// By body: its contacts, each by how much of it this body, as the lighter one, is.
+// By body that moves: its contacts, each by how much of it this body, as the lighter one, is.
 const Real* Rigid::Impl::crowds(std::span<const Pile> piles, StepContext& c) {
   Real* crowd = c.scratch->take<Real>(bodies.size());
   for (const std::uint32_t i : moving) crowd[i] = 0;
@@ -296,7 +296,8 @@ void Rigid::Impl::choose_levels(StepContext& c) {
     const ContactLoad load = load_of(pile, spring.rate, c);
     if (load.body == kNone) continue;
     IslandLoad& island = by_root[islands.root(bodies.moves(pile.upper) ? pile.upper : pile.lower)];
-    const Real crowded = (1 + spring.crowd * std::max(crowd[load.body] - 1, Real(0))) / kHolds;
+    const Real crowding = bodies.moves(load.body) ? crowd[load.body] : Real(0);  // else it is about to wake
+    const Real crowded = (1 + spring.crowd * std::max(crowding - 1, Real(0))) / kHolds;
     if (island.jointed) continue;  // ragdolls in a pile flew apart with pieces by contacts
     island.by_weight = std::max(island.by_weight, load.by_weight * crowded);
     island.by_impulse = std::max(island.by_impulse, load.sinks * crowded);
