@@ -16,6 +16,8 @@ namespace feder {
 //  at;
 //  - kFinerFinds, if it has it: pairs_of(box, visit, work) takes the place of query for pairs: visit(i, once) where
 //    `once` says that the query of i does not find this box;
+//  - keep(asking), if it has it: drops those that are in no pair;
+//  - drawn(), if it has it: what else it looked at while it was built;
 //  - query_ray(origin, ray, visit): visit(i) at least once for each that the segment hits, and for others.
 template <class Index>
 class RebuiltPhase final : public BroadPhase {
@@ -30,6 +32,7 @@ class RebuiltPhase final : public BroadPhase {
     motion_.assign(motion.begin(), motion.end());
     list_boxes();
     index_.build(boxes_, listed_, jobs);
+    if constexpr (requires { index_.keep(asking_); }) index_.keep(asking_);
     query_pairs(pairs, jobs);
     pair_side(pairs);
     sorter_.sort(pairs, static_cast<std::uint32_t>(boxes.size()), jobs);
@@ -64,6 +67,7 @@ class RebuiltPhase final : public BroadPhase {
     for (const std::uint32_t i : asking_)
       pairs_of(
           i, [](std::uint32_t) {}, all);
+    if constexpr (requires { index_.drawn(); }) all.visit(index_.drawn());
     all.test(side_.size() * (listed_.size() + side_.size()));
     return {all.visits, all.tests, 0};
   }
