@@ -15,7 +15,7 @@ namespace {
 
 using Kind = Feature::Kind;
 
-enum class Verdict : std::uint8_t { moved, closest, inside };
+using Verdict = MarchVerdict;
 
 // The part of a segment, 0..1, that planes have left, and which of them cut its ends.
 struct Clip {
@@ -65,21 +65,10 @@ class Marcher {
   }
 
   March run(FeaturePair start) {
-    at_[0] = start.a, at_[1] = start.b;
-    Trail trail;
-    March result;
-    for (;;) {
-      result.features = {at_[0], at_[1]};
-      if (!trail.add(result.features)) break;
-      ++result.steps;
-      const Verdict verdict = step();
-      if (verdict == Verdict::moved) continue;
-      if (verdict == Verdict::closest) fill(result.gap);
-      const bool apart = verdict == Verdict::closest && result.gap.distance > touch_;
-      result.end = apart ? MarchEnd::apart : MarchEnd::overlap;
-      if (apart && (side_[0]->bent || side_[1]->bent) && !supported(result.gap)) result.end = MarchEnd::bent;
-      break;
-    }
+    March result = march_on(
+        at_, start, touch_, [&] { return step(); }, [&](Gap& gap) { fill(gap); });
+    const bool bent = side_[0]->bent || side_[1]->bent;
+    if (result.end == MarchEnd::apart && bent && !supported(result.gap)) result.end = MarchEnd::bent;
     return result;
   }
 

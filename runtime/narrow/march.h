@@ -73,4 +73,26 @@ class Trail {
   std::uint32_t seen_[kMaxMarch];
 };
 
+enum class MarchVerdict : std::uint8_t { moved, closest, inside };
+
+// From pair to pair: step() looks at the features `at` and moves them, or says why not; fill(gap) gives the answer of
+// the closest. Apart: farther than `touch`.
+template <class Step, class Fill>
+March march_on(Feature (&at)[2], FeaturePair start, double touch, Step&& step, Fill&& fill) {
+  at[0] = start.a, at[1] = start.b;
+  Trail trail;
+  March result;
+  for (;;) {
+    result.features = {at[0], at[1]};
+    if (!trail.add(result.features)) return result;
+    ++result.steps;
+    const MarchVerdict verdict = step();
+    if (verdict == MarchVerdict::moved) continue;
+    if (verdict == MarchVerdict::closest) fill(result.gap);
+    const bool apart = verdict == MarchVerdict::closest && result.gap.distance > touch;
+    result.end = apart ? MarchEnd::apart : MarchEnd::overlap;
+    return result;
+  }
+}
+
 }  // namespace feder

@@ -9,8 +9,6 @@
 namespace feder {
 namespace {
 
-enum class FlatVerdict : std::uint8_t { moved, closest, inside };
-
 class FlatMarcher {
  public:
   FlatMarcher(const ConvexPair& pair, const Polygon& a, const Polygon& b) : pair_(pair), side_{a.points(), b.points()} {
@@ -19,21 +17,8 @@ class FlatMarcher {
   }
 
   March run(FeaturePair start) {
-    at_[0] = start.a, at_[1] = start.b;
-    Trail trail;
-    March result;
-    for (;;) {
-      result.features = {at_[0], at_[1]};
-      if (!trail.add(result.features)) break;
-      ++result.steps;
-      const FlatVerdict verdict = step();
-      if (verdict == FlatVerdict::moved) continue;
-      if (verdict == FlatVerdict::closest) fill(result.gap);
-      const bool apart = verdict == FlatVerdict::closest && result.gap.distance > touch_;
-      result.end = apart ? MarchEnd::apart : MarchEnd::overlap;
-      break;
-    }
-    return result;
+    return march_on(
+        at_, start, touch_, [&] { return step(); }, [&](Gap& gap) { fill(gap); });
   }
 
  private:
@@ -45,9 +30,9 @@ class FlatMarcher {
     const Double3 p = at(side_[s][i]);
     return s == 1 ? pair_.from_b(p) : p;
   }
-  FlatVerdict move(int s, Feature::Kind kind, std::size_t index) {
+  MarchVerdict move(int s, Feature::Kind kind, std::size_t index) {
     at_[s] = {kind, static_cast<std::uint16_t>(index)};
-    return FlatVerdict::moved;
+    return MarchVerdict::moved;
   }
 
   // An edge in the frame of a: `d` unit along it, `n` outward.
@@ -64,13 +49,13 @@ class FlatMarcher {
     return {tail, unit, {unit.y, -unit.x, 0}, len};
   }
 
-  FlatVerdict step() {
+  MarchVerdict step() {
     if (at_[0].kind != Feature::vertex && at_[1].kind != Feature::vertex) return move(0, Feature::vertex, at_[0].index);
     if (at_[0].kind == at_[1].kind) return two_corners();
     return corner_edge(at_[0].kind == Feature::vertex ? 0 : 1);
   }
 
-  FlatVerdict two_corners() {
+  MarchVerdict two_corners() {
     for (int t = 1; t >= 0; --t) {
       const std::size_t i = at_[t].index;
       const Double3 p = corner(1 - t, at_[1 - t].index), w = corner(t, i);
@@ -78,11 +63,11 @@ class FlatMarcher {
       const double forward = dot(p - w, ahead.d), back = -dot(p - w, behind.d);
       if (std::max(forward, back) > slack_) return move(t, Feature::edge, forward >= back ? i : last(t, i));
     }
-    return FlatVerdict::closest;
+    return MarchVerdict::closest;
   }
 
   // The corner is on side s.
-  FlatVerdict corner_edge(int s) {
+  MarchVerdict corner_edge(int s) {
     const int t = 1 - s;
     const std::size_t v = at_[s].index, i = at_[t].index;
     const Edge e = edge(t, i);
@@ -100,26 +85,26 @@ class FlatMarcher {
       const double fall = e.height(q) - height;
       if (fall < -slack_ && fall / length(q - p) < steepest) steepest = fall / length(q - p), down = k;
     }
-    if (down == v) return FlatVerdict::closest;
+    if (down == v) return MarchVerdict::closest;
     const Double3 q = corner(s, down);
     const double to = e.along(q), low = e.height(q);
     const bool before = to<0, after = to> e.len;
-    if (!before && !after) return low <= touch_ ? FlatVerdict::inside : move(s, Feature::vertex, down);
+    if (!before && !after) return low <= touch_ ? MarchVerdict::inside : move(s, Feature::vertex, down);
     const double share = ((before ? 0 : e.len) - along) / (to - along);
-    if (height + share * (low - height) <= touch_) return FlatVerdict::inside;
+    if (height + share * (low - height) <= touch_) return MarchVerdict::inside;
     move(t, Feature::vertex, before ? i : next(t, i));
     return move(s, Feature::edge, down == next(s, v) ? v : last(s, v));
   }
 
   // On the inner side of its edge: on to the highest edge, if the corner is outside at all.
-  FlatVerdict trapped(int t, const Double3& p) {
+  MarchVerdict trapped(int t, const Double3& p) {
     double highest = touch_;
     std::size_t best = count(t);
     for (std::size_t k = 0; k < count(t); ++k) {
       const double h = edge(t, k).height(p);
       if (h > highest) highest = h, best = k;
     }
-    return best < count(t) ? move(t, Feature::edge, best) : FlatVerdict::inside;
+    return best < count(t) ? move(t, Feature::edge, best) : MarchVerdict::inside;
   }
 
   void fill(Gap& gap) const {
