@@ -48,6 +48,22 @@ class AabbTree {
         },
         visit);
   }
+  // Calls visit(item) for every leaf, neighbours in the tree one after another.
+  template <class Visit>
+  void each_leaf(Visit&& visit) const {
+    descend([](const Aabb&) { return true; }, visit);
+  }
+  // A query among the leaves that each_leaf() visits after this one.
+  template <class Visit, class Work>
+  void query_after(std::uint32_t leaf, const Aabb& box, Visit&& visit, Work& work) const {
+    const BoxQuery query(box);
+    const auto test = [&](const Aabb& node) {
+      work.visit();
+      return query.meets(node);
+    };
+    for (std::uint32_t at = leaf, above = nodes_[at].parent; above != kNone; at = above, above = nodes_[at].parent)
+      if (nodes_[above].child[0] == at) descend_from(nodes_[above].child[1], test, visit);
+  }
   template <class Visit>
   void query_ray(const Vec3& origin, const Vec3& ray, Visit&& visit) const {
     descend([&](const Aabb& node) { return segment_hits(node, origin, ray); }, visit);

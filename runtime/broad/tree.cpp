@@ -7,12 +7,14 @@
 // lies still costs nothing.
 // The exact test also makes the result independent of history, although fat boxes are not.
 // Boxes that are unbounded, empty or NaN stay in a side list and are tested against everything.
-// When many leave theirs, the tree is refitted, and built anew now and then.
+// When many leave theirs, the tree is refitted, built anew now and then, and asked by packs of neighbours.
 // Weak spot: when most boxes leave their fat boxes in each call, everything is queried again.
 #include <algorithm>
 #include <bit>
+#include <limits>
 
 #include "bounds/aabb_tree.h"
+#include "bounds/box_block.h"
 #include "broad/pair_sort.h"
 
 namespace feder {
@@ -28,7 +30,12 @@ constexpr Real kMostFat = Real(0.75);
 constexpr int kMostRefits = 8;      // of a tree between two builds: more do not help in a drum that turns
 constexpr double kMostStrayed = 1;  // nor where boxes went by more than their mean side since
 
-constexpr JobGrain kQueryGrain{64, 15'000}, kPairGrain{2048, 8'000};  // boxes; pairs
+constexpr int kPackOf = 8;            // boxes that are asked for together
+constexpr std::size_t kPackFrom = 2;  // one of so many leaves has changed: all are asked, pack by pack
+
+constexpr JobGrain kQueryGrain{64, 15'000}, kPackGrain{16, 15'000}, kPairGrain{2048, 8'000};  // boxes; packs; pairs
+
+constexpr Real kNothing = std::numeric_limits<Real>::quiet_NaN();  // a side of no box
 
 enum Location : std::uint8_t { kNowhere, kSide, kStillTree, kMovingTree };
 
@@ -42,8 +49,8 @@ class Tree final : public BroadPhase {
  public:
   explicit Tree(Arena& arena)
       : arena_(&arena), boxes_(&arena), fat_(&arena), leaves_(&arena), nodes_(&arena), side_(&arena), changed_(&arena),
-        items_(&arena), transfers_(&arena), candidates_(&arena), side_pairs_(&arena), marked_(&arena), sorter_(arena),
-        still_(arena), moving_(arena) {
+        items_(&arena), order_(&arena), transfers_(&arena), candidates_(&arena), side_pairs_(&arena), marked_(&arena),
+        sorter_(arena), still_(arena), moving_(arena) {
     found_by_.emplace_back(arena_);
   }
 
@@ -95,11 +102,12 @@ class Tree final : public BroadPhase {
   // The boxes that are looked at, those whose neighbours were found anew, and candidates.
   BroadWork work() const override {
     Counted all;
-    for (const std::uint32_t i : changed_)
-      if (leaves_[i].location > kSide)
-        each_near(
-            i, [](std::uint32_t) {}, all);
-    return {all.visits, looked_at_ + candidates_.size() + side_.size() * boxes_.size(), 0};
+    const auto nothing = [](std::uint32_t, std::uint32_t) {};
+    for (std::size_t first = 0; first < order_.size(); first += kPackOf) each_near(pack_at(first), nothing, all);
+    if (order_.empty())
+      for (const std::uint32_t i : changed_)
+        if (leaves_[i].location > kSide) each_near(i, nothing, all);
+    return {all.visits, all.tests + looked_at_ + candidates_.size() + side_.size() * boxes_.size(), 0};
   }
 
  private:
@@ -137,6 +145,7 @@ class Tree final : public BroadPhase {
   void update_leaves(std::span<const Aabb> boxes, std::span<const BoxMotion> motion,
                      std::span<const std::uint32_t> touched) {
     changed_.clear();
+    order_.clear();
     transfers_.clear();
     const std::uint32_t count = static_cast<std::uint32_t>(boxes.size());
     if (leaves_.size() < count) leaves_.resize(count), fat_.resize(count), nodes_.resize(count, kNone);
@@ -208,29 +217,76 @@ class Tree final : public BroadPhase {
     while (found_by_.size() < static_cast<std::size_t>(jobs.threads())) found_by_.emplace_back(arena_);
     Array<IndexPair>& all = found_by_[0];
     for (Array<IndexPair>& found : found_by_) found.reserve(all.capacity());
-    const auto count = static_cast<std::uint32_t>(changed_.size());
-    jobs.for_blocks(count, kQueryGrain, [&](std::uint32_t first, std::uint32_t last, int worker) {
-      Array<IndexPair>& found = found_by_[static_cast<std::size_t>(worker)];
-      for (std::uint32_t n = first; n < last; ++n) query_box(changed_[n], found);
-    });
+    Uncounted none;
+    if (changed_.size() * kPackFrom > moving_.leaves()) {
+      moving_.each_leaf([&](std::uint32_t i) { order_.push_back(i); });
+      const auto packs = static_cast<std::uint32_t>((order_.size() + kPackOf - 1) / kPackOf);
+      jobs.for_blocks(packs, kPackGrain, [&](std::uint32_t first, std::uint32_t last, int worker) {
+        Array<IndexPair>& found = found_by_[static_cast<std::size_t>(worker)];
+        const auto visit = [&](std::uint32_t i, std::uint32_t j) {
+          if (leaves_[i].changed || leaves_[j].changed) found.push_back({std::min(i, j), std::max(i, j)});
+        };
+        for (std::uint32_t n = first; n < last; ++n) each_near(pack_at(std::size_t(n) * kPackOf), visit, none);
+      });
+    } else {
+      const auto count = static_cast<std::uint32_t>(changed_.size());
+      jobs.for_blocks(count, kQueryGrain, [&](std::uint32_t first, std::uint32_t last, int worker) {
+        Array<IndexPair>& found = found_by_[static_cast<std::size_t>(worker)];
+        const auto visit = [&](std::uint32_t i, std::uint32_t j) {
+          if (j != i && !(leaves_[j].changed && j < i)) found.push_back({std::min(i, j), std::max(i, j)});
+        };
+        for (std::uint32_t n = first; n < last; ++n)
+          if (leaves_[changed_[n]].location > kSide) each_near(changed_[n], visit, none);
+      });
+    }
     for (std::size_t i = 1; i < found_by_.size(); ++i) all.insert(all.end(), found_by_[i].begin(), found_by_[i].end());
     sorter_.sort(all, static_cast<std::uint32_t>(leaves_.size()), jobs);
   }
 
-  void query_box(std::uint32_t i, Array<IndexPair>& found) const {
-    if (leaves_[i].location <= kSide) return;
-    const auto visit = [&](std::uint32_t j) {
-      if (j == i || (leaves_[j].changed && j < i)) return;
-      found.push_back({std::min(i, j), std::max(i, j)});
-    };
-    Uncounted none;
-    each_near(i, visit, none);
+  // Moving boxes that are neighbours in their tree: what meets the box around them is compared with all at once.
+  struct Pack {
+    Aabb around;
+    BoxBlock boxes[kPackOf / 4];
+    std::span<const std::uint32_t> items;
+    unsigned overlapping(const Aabb& box) const {  // a bit each
+      const BoxAround b(box);
+      return feder::overlapping(boxes[0], b) | feder::overlapping(boxes[1], b) << 4;
+    }
+  };
+  static_assert(kPackOf == 8);
+
+  Pack pack_at(std::size_t first) const {
+    Pack p;
+    p.items = std::span(order_).subspan(first, std::min<std::size_t>(kPackOf, order_.size() - first));
+    for (int k = 0; k < kPackOf; ++k) {
+      const auto n = static_cast<std::size_t>(k);
+      const bool used = n < p.items.size();
+      const Aabb box = used ? fat_[p.items[n]] : Aabb{Vec3::Constant(kNothing), Vec3::Constant(kNothing)};
+      p.boxes[k / 4].put(k % 4, box);
+      if (used) p.around = k == 0 ? box : Aabb{p.around.lo.cwiseMin(box.lo), p.around.hi.cwiseMax(box.hi)};
+    }
+    return p;
   }
 
+  // Calls visit(i, j) for the boxes j near the box i.
   template <class F, class W>
   void each_near(std::uint32_t i, F&& visit, W& work) const {
-    moving_.query(fat_[i], visit, work);
-    if (leaves_[i].location == kMovingTree) still_.query(fat_[i], visit, work);
+    const auto met = [&](std::uint32_t j) { visit(i, j); };
+    moving_.query(fat_[i], met, work);
+    if (leaves_[i].location == kMovingTree) still_.query(fat_[i], met, work);
+  }
+  // For the boxes i of a pack; of two moving boxes the first in the tree's order has the other.
+  template <class F, class W>
+  void each_near(const Pack& p, F&& visit, W& work) const {
+    const auto meet = [&](std::uint32_t j, unsigned of) {
+      work.test();
+      for (unsigned bits = p.overlapping(fat_[j]) & of; bits != 0; bits &= bits - 1)
+        visit(p.items[static_cast<std::size_t>(std::countr_zero(bits))], j);
+    };
+    for (std::size_t k = 1; k < p.items.size(); ++k) meet(p.items[k], (1u << k) - 1);
+    const auto any = [&](std::uint32_t j) { meet(j, ~0u); };
+    moving_.query_after(nodes_[p.items.back()], p.around, any, work);
+    still_.query(p.around, any, work);
   }
 
   // Marks those candidates for which stays(pair), a bit each.
@@ -321,7 +377,7 @@ class Tree final : public BroadPhase {
   Array<Aabb> fat_;
   Array<Leaf> leaves_;
   Array<std::uint32_t> nodes_;  // of the leaf in its tree
-  Array<std::uint32_t> side_, changed_, items_;
+  Array<std::uint32_t> side_, changed_, items_, order_;
   Array<Transfer> transfers_;
   Array<IndexPair> candidates_, side_pairs_;
   std::vector<Array<IndexPair>> found_by_;  // by worker; in the end the first has all
