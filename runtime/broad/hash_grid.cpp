@@ -28,11 +28,7 @@ class HashGridIndex {
     for (const std::uint32_t i : listed) {
       const Aabb& b = boxes[i];
       const std::uint32_t n = level_number(exponent_of(b));
-      Entry e{};
-      e.item = i, e.level = n;
-      for (int k = 0; k < 3; ++k)
-        e.cell[k] = cell_number(0.5 * (static_cast<double>(b.lo[k]) + static_cast<double>(b.hi[k])), levels_[n].inv);
-      entry_.push_back(e), levels_[n].bounds.include(b), ++levels_[n].count;
+      entry_.push_back({cell_of(b, levels_[n].inv), i, n}), levels_[n].bounds.include(b), ++levels_[n].count;
       levels_[n].reach = std::fmax(levels_[n].reach, 0.5 * side(b));
     }
     std::size_t buckets = 64;
@@ -59,20 +55,25 @@ class HashGridIndex {
             work);
   }
 
+  // In its own grid a box looks at the cells from its own on: those before look at it.
   static constexpr bool kFinerFinds = true;
   template <class F, class W>
   void pairs_of(const Aabb& box, F&& visit, W& work) const {
     const BoxQuery wanted(box);
     const int own = exponent_of(box);
-    for (std::uint32_t n = 0; n < levels_.size(); ++n)
-      if (levels_[n].exponent >= own && overlaps(levels_[n].bounds, box))
-        each_near(
-            n, box,
-            [&](std::size_t k) {
-              work.test();
-              if (wanted.meets(boxes_[k])) visit(sorted_[k].item, levels_[n].exponent > own);
-            },
-            work);
+    for (std::uint32_t n = 0; n < levels_.size(); ++n) {
+      if (levels_[n].exponent < own || !overlaps(levels_[n].bounds, box)) continue;
+      const Cell cell = cell_of(box, levels_[n].inv);
+      const bool coarser = levels_[n].exponent > own;
+      each_near(
+          n, box,
+          [&](std::size_t k) {
+            work.test();
+            if (wanted.meets(boxes_[k]) && (coarser || !(sorted_[k].cell < cell)))
+              visit(sorted_[k].item, coarser || cell < sorted_[k].cell);
+          },
+          work, coarser ? nullptr : &cell);
+    }
   }
 
   template <class F>
@@ -90,8 +91,15 @@ class HashGridIndex {
  private:
   static constexpr int kBits = 40;
   static constexpr double kWider = 1.5;
+  struct Cell {
+    CellNumber x, y, z;
+    bool operator==(const Cell&) const = default;
+    bool operator<(const Cell& o) const {  // in the order in which they are looked at
+      return z != o.z ? z < o.z : y != o.y ? y < o.y : x < o.x;
+    }
+  };
   struct Entry {
-    CellNumber cell[3];
+    Cell cell;
     std::uint32_t item, level;  // level: in levels_
   };
   struct Level {
@@ -116,8 +124,15 @@ class HashGridIndex {
     levels_.push_back({wanted, std::ldexp(1.0, -wanted), 0, 0, Aabb()});
     return static_cast<std::uint32_t>(levels_.size() - 1);
   }
-  std::size_t bucket(std::uint32_t level, const CellNumber* c) const {
-    return static_cast<std::size_t>(cell_hash(c[0], c[1], c[2]) + level * 0x9e3779b9u) & mask_;
+  // Of the middle of a box.
+  static Cell cell_of(const Aabb& b, double inv) {
+    const auto along = [&](int k) {
+      return cell_number(0.5 * (static_cast<double>(b.lo[k]) + static_cast<double>(b.hi[k])), inv);
+    };
+    return {along(0), along(1), along(2)};
+  }
+  std::size_t bucket(std::uint32_t level, const Cell& c) const {
+    return static_cast<std::size_t>(cell_hash(c.x, c.y, c.z) + level * 0x9e3779b9u) & mask_;
   }
 
   template <class F>
@@ -126,9 +141,10 @@ class HashGridIndex {
       if (sorted_[k].level == level) f(k);
   }
 
-  // Places of a level whose boxes may overlap `box`: middles lie at most half a cell outside it.
+  // Places of a level whose boxes may overlap `box`: middles lie at most half a cell outside it. `first`: of the cells
+  // that are looked at, those before it are left out; boxes of such cells may be met all the same.
   template <class F, class W>
-  void each_near(std::uint32_t level, const Aabb& box, F&& f, W& work) const {
+  void each_near(std::uint32_t level, const Aabb& box, F&& f, W& work, const Cell* first = nullptr) const {
     const Level& of = levels_[level];
     CellNumber from[3], to[3];
     double count = 1;
@@ -140,17 +156,17 @@ class HashGridIndex {
       count *= static_cast<double>(to[k] - from[k] + 1);
     }
     if (!(count <= static_cast<double>(of.count))) return each_of(level, f);
-    CellNumber c[3];
-    for (c[2] = from[2]; c[2] <= to[2]; ++c[2])
-      for (c[1] = from[1]; c[1] <= to[1]; ++c[1])
-        for (c[0] = from[0]; c[0] <= to[0]; ++c[0]) {
+    Cell c;
+    for (c.z = first ? first->z : from[2]; c.z <= to[2]; ++c.z) {
+      const bool layer = first && c.z == first->z;
+      for (c.y = layer ? first->y : from[1]; c.y <= to[1]; ++c.y)
+        for (c.x = layer && c.y == first->y ? first->x : from[0]; c.x <= to[0]; ++c.x) {
           const std::size_t b = bucket(level, c);
           work.visit();
-          for (std::size_t k = start_[b]; k < start_[b + 1]; ++k) {
-            const Entry& e = sorted_[k];
-            if (e.level == level && e.cell[0] == c[0] && e.cell[1] == c[1] && e.cell[2] == c[2]) f(k);
-          }
+          for (std::size_t k = start_[b]; k < start_[b + 1]; ++k)
+            if (sorted_[k].level == level && sorted_[k].cell == c) f(k);
         }
+    }
   }
 
   Array<Entry> entry_;
