@@ -39,6 +39,7 @@ class Study final : public Command {
     a.list("--ladder", ladders_,
            "rungs: h:1e-1..1e-5:x2, tol:1e-2..1e-12:x10, iters:1..256:x2, substeps:1,4,16, steps:60,600 (may be "
            "repeated)");
+    a.text("--boxes", boxes_, "with broad_phase: the boxes of this scene's colliders in its first 257 steps");
     a.text("--budget", budget_, "force=1e6: most work of one run, in force evaluations of the whole problem");
     a.text("--error", errors_,
            "norms to plot, the first one everywhere: "
@@ -71,8 +72,11 @@ class Study final : public Command {
       throw Failure(kUsage, "feder study: expected one PROBLEM or scene (feder study --list names them)");
     if (resume_ && out_.empty()) throw Failure(kUsage, "feder study: --resume needs the --out of the stopped study");
     StudyContext context = new_context(options);
-    const auto problem = open_problem(words_[0], options);
-    const StudyResult result = sweep(*problem, problem_file(words_[0]), options, methods_, ladders_, context, out_);
+    if (!boxes_.empty() && words_[0] != "broad_phase")
+      throw Failure(kUsage, "feder study: --boxes: expected the problem broad_phase, got '{}'", words_[0]);
+    const auto problem = boxes_.empty() ? open_problem(words_[0], options) : open_boxes(boxes_, options);
+    const std::string file = boxes_.empty() ? problem_file(words_[0]) : boxes_;
+    const StudyResult result = sweep(*problem, file, options, methods_, ladders_, context, out_);
     context.machine.load_after = report::load_now();
     return check_and_finish(result, context, options);
   }
@@ -108,7 +112,7 @@ class Study final : public Command {
     std::vector<std::string> words;
     add_options(words, {{"--methods", methods_}});
     for (const std::string& ladder : ladders_) add_options(words, {{"--ladder", ladder}});
-    add_options(words, {{"--budget", budget_}, {"--repeat", repeat_text()}, {"--shard", shard_}});
+    add_options(words, {{"--boxes", boxes_}, {"--budget", budget_}, {"--repeat", repeat_text()}, {"--shard", shard_}});
     Options without_set = options;
     without_set.set.clear();
     add_scene_options(words, without_set);
@@ -125,7 +129,8 @@ class Study final : public Command {
     add_scene_options(words, options);
     add_options(words, {{"--suite", suite_}, {"--methods", methods_}});
     for (const std::string& ladder : ladders_) add_options(words, {{"--ladder", ladder}});
-    add_options(words, {{"--budget", budget_},
+    add_options(words, {{"--boxes", boxes_},
+                        {"--budget", budget_},
                         {"--error", errors_},
                         {"--axis", axes_},
                         {"--shard", shard_},
@@ -143,6 +148,7 @@ class Study final : public Command {
     given.insert(given.end(), options.world.begin(), options.world.end());
     if (!options.dt.empty()) given.push_back("dt=" + options.dt);
     if (!options.seed.empty()) given.push_back("seed=" + options.seed);
+    if (!boxes_.empty()) given.push_back("boxes of " + boxes_);
     if (!budget_.empty()) given.push_back("budget " + budget_);
     Provenance p;
     p.overrides = fmt::format("{}", fmt::join(given, "; "));
@@ -326,7 +332,7 @@ class Study final : public Command {
 
   static constexpr int kRepeats = 5;
   std::vector<std::string> words_, ladders_;
-  std::string methods_, budget_, errors_, axes_, shard_, baseline_, gate_, suite_, out_, markdown_, picture_;
+  std::string methods_, boxes_, budget_, errors_, axes_, shard_, baseline_, gate_, suite_, out_, markdown_, picture_;
   int repeat_ = kRepeats;
   bool merge_ = false, list_ = false, resume_ = false;
 };

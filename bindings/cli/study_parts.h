@@ -26,6 +26,9 @@ std::unique_ptr<StudyProblem> open_problem(const std::string& name, const Option
 // A .lua or .yaml scene as a problem. Failure says what is wrong with it.
 std::unique_ptr<StudyProblem> open_scene(const std::string& file, const Options& options);
 
+// The boxes of a scene's colliders over its first steps as the problem "broad_phase". Failure says what is wrong.
+std::unique_ptr<StudyProblem> open_boxes(const std::string& file, const Options& options);
+
 // The whole of which the files are shards, and the machine of the first. Failure (1) names a shard of another study, a
 // report that was altered, or the shards that are missing; usage: what cannot be read or came twice.
 StudyResult merge_reports(const std::vector<std::string>& files, report::MachineInfo& machine);

@@ -178,7 +178,7 @@ class Tree final : public BroadPhase {
     };
     const auto staying = static_cast<std::size_t>(std::count_if(transfers_.begin(), transfers_.end(), stays));
     if (transfers_.size() - staying > many) return rebuild();
-    const bool refit = transfers_.size() > many;
+    const bool refit = staying > moving_.leaves() / 8 + 32;
     for (const Transfer& c : transfers_)
       if (!refit || !stays(c)) transfer(c.box, c.location);
     if (!refit) return;

@@ -42,6 +42,8 @@ Colliders& Collide::colliders() { return *impl_->colliders; }
 Contacts& Collide::contacts() { return *impl_->contacts; }
 const NarrowPhase& Collide::narrow() const { return impl_->narrow; }
 void Collide::near(const Aabb& box, Array<std::uint32_t>& found) const { impl_->broad->query(box, found); }
+std::span<const Aabb> Collide::boxes() const { return impl_->colliders->box; }
+std::span<const BoxMotion> Collide::box_motion() const { return impl_->motion; }
 void Collide::forget(std::uint32_t collider) { impl_->forget(collider); }
 
 void Collide::residuals(std::vector<Residual>& out) const {

@@ -5,7 +5,7 @@
 // Bender 2018): velocities of particles and of the bodies they rub solve (M + h K) v = M v*, K symmetric, by conjugate
 // gradients in the norm of the kinetic energy from v* on. Bodies are unknowns of the system, so that light ones in
 // honey do not ring. Every iterate keeps all momentum. Kept between calls: nothing. Weak spot: of what is so viscous
-// that kMostIterations do not suffice, slow motion over many spacings is less so; a warning says so.
+// that kViscousIterations do not suffice, slow motion over many spacings is less so; a warning says so.
 #include <algorithm>
 #include <cmath>
 
@@ -19,9 +19,9 @@ namespace {
 constexpr Real kViscousLimit = Real(0.1);  // of (support/2)^2/nu, largest time of a round; 0.125 in Morris 1997
 constexpr Real kMaxRounds = 2;             // explicit ones in a solver substep
 constexpr Real kNearest = Real(0.05);      // supports, of a particle to a wall: friction is finite
-constexpr int kMostIterations = 300;
+constexpr int kViscousIterations = 300;
 constexpr double kSolved = 1e-3;  // of the velocities, that the solve leaves at most
-constexpr double kMissed = 10;    // times that: worth a warning
+constexpr double kMissedBy = 10;  // times that: worth a warning
 
 struct Dot {
   double sum = 0;
@@ -233,7 +233,7 @@ void Viscous::solve() {
   const double wanted = kSolved * kSolved * sum([&](std::uint32_t i) { return mass(i) * dots(p_.v[i], p_.v[i]); });
   double size = size_of_residual(), carry = 0;
   int iterations = 0;
-  for (; size > wanted && iterations < kMostIterations; ++iterations) {
+  for (; size > wanted && iterations < kViscousIterations; ++iterations) {
     each([&](std::uint32_t i) { direction[i].set(residual[i].vec() + static_cast<Real>(carry) * direction[i].vec()); });
     for (std::size_t b = 0; b < bodies; ++b) {
       const BodyRow moved = eased(b);
@@ -265,11 +265,11 @@ void Viscous::solve() {
     carry = size / before;
   }
   give_impulses();
-  if (iterations < kMostIterations || size <= kMissed * kMissed * wanted || p_.warned_viscosity) return;
+  if (iterations < kViscousIterations || size <= kMissedBy * kMissedBy * wanted || p_.warned_viscosity) return;
   p_.warned_viscosity = true;
   c_.events->warn("fluid_viscosity",
                   "viscosity " + std::to_string(p_.desc.viscosity) + " Pa s is not solved for in " +
-                      std::to_string(kMostIterations) +
+                      std::to_string(kViscousIterations) +
                       " iterations of a substep: slow motion is less viscous than asked for; take a larger spacing or "
                       "more substeps",
                   p_.object);

@@ -13,7 +13,7 @@
 namespace feder {
 namespace {
 
-constexpr double kFlat = 1e-6;  // of the cube of the longest edge: a tetrahedron with less volume has none
+constexpr double kNoVolume = 1e-6;  // of the cube of the longest edge: a tetrahedron with less volume has none
 
 struct SkinFace {
   std::array<std::uint32_t, 3> key;   // sorted
@@ -61,7 +61,7 @@ void take_given(const SoftDesc& d, const std::string& owner, SoftMesh& m) {
     double volume = tetrahedron_volume(x);
     if (volume < 0) std::swap(t[2], t[3]), volume = -volume;
     const double edge = longest_edge(x);
-    if (!(volume > kFlat * edge * edge * edge))
+    if (!(volume > kNoVolume * edge * edge * edge))
       refuse(numbered("tetrahedra", k) + ": expected four corners with a volume between them, got " +
              print_number(volume) + " m3");
     m.tetrahedra.push_back(t);

@@ -10,11 +10,11 @@ set(feder_test_flags $<$<CONFIG:Release,Check>:-O1>)
 
 # feder_in_lumps(target): several sources per compilation, as half of what is left is the same templates again. Names in
 # unnamed namespaces must then differ within the folder; modules of variants, which look alike on purpose, are APART,
-# and so is each registry.cpp.
+# and so is each file with a table of rows, as all call their type Row.
 function(feder_in_lumps target)
   if(FEDER_PCH AND TARGET ${target})
-    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 7)
-    set_source_files_properties(registry.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 14)
+    set_source_files_properties(registry.cpp panel_inspector.cpp picking.cpp PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON)
   endif()
 endfunction()
 

@@ -6,6 +6,7 @@
 #include "bounds/box_tree.h"
 #include "bounds/volume.h"
 #include "feder/error.h"
+#include "study/moving_boxes.h"
 #include "support/catch.h"
 
 using namespace feder;
@@ -14,32 +15,14 @@ namespace {
 
 using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-const char* const kArrangements[] = {"gas", "pile", "city", "huge_and_tiny", "cluster", "line_up", "identical"};
-
 // Boxes that move, as their eight corners.
 struct Moving {
-  Moving(const std::string& kind, std::uint32_t count) : kind_(kind), rng_(9) {
-    const auto side = static_cast<Real>(std::cbrt(static_cast<double>(count)) + 1);
-    for (std::uint32_t i = 0; i < count; ++i) {
-      Vec3 at(rng_.uniform(0, side), rng_.uniform(0, side), rng_.uniform(0, side)), size = Vec3::Constant(Real(0.6));
-      if (kind == "pile") at = Vec3(rng_.uniform(0, side), Real(i) / side / side, rng_.uniform(0, side));
-      if (kind == "city") at[1] = 0, size = Vec3(Real(0.5), rng_.uniform(Real(0.2), 8), Real(0.5));
-      if (kind == "huge_and_tiny") size *= i % 16 == 0 ? 8 : Real(0.05);
-      if (kind == "cluster") at = Vec3::Constant(i % 4 == 0 ? side * 10 : Real(0)) + Real(0.3) * at;
-      if (kind == "line_up") at = Vec3(Real(0.5) * Real(i), 0, 0);
-      if (kind == "identical") at = Vec3(1, 2, 3);
-      at_.push_back(at), size_.push_back(size);
-      velocity_.push_back(Vec3(rng_.uniform(-1, 1), rng_.uniform(-1, 1), rng_.uniform(-1, 1)));
-    }
-  }
-  void step() {
-    for (std::size_t i = 0; i < at_.size(); ++i)
-      if (kind_ != "identical") at_[i] += Real(0.2) * velocity_[i];
-  }
-  Aabb box(std::uint32_t i) const { return {at_[i] - Real(0.5) * size_[i], at_[i] + Real(0.5) * size_[i]}; }
+  Moving(const std::string& kind, std::uint32_t count) : boxes_(kind, count, {.crowd = 1}) {}
+  void step() { ++step_; }
+  Aabb box(std::uint32_t i) const { return boxes_.box(i, 0.2, step_); }
   ItemPoints items() {
     points_.clear();
-    for (std::uint32_t i = 0; i < at_.size(); ++i) {
+    for (std::uint32_t i = 0; i < count(); ++i) {
       const Aabb b = box(i);
       for (int k = 0; k < 8; ++k)
         points_.push_back(Vec3(k & 1 ? b.hi[0] : b.lo[0], k & 2 ? b.hi[1] : b.lo[1], k & 4 ? b.hi[2] : b.lo[2]));
@@ -48,17 +31,17 @@ struct Moving {
   }
   Pairs all_pairs() const {
     Pairs out;
-    for (std::uint32_t a = 0; a < at_.size(); ++a)
-      for (std::uint32_t b = a + 1; b < at_.size(); ++b)
+    for (std::uint32_t a = 0; a < count(); ++a)
+      for (std::uint32_t b = a + 1; b < count(); ++b)
         if (overlaps(box(a), box(b))) out.emplace_back(a, b);
     return out;
   }
-  std::uint32_t count() const { return static_cast<std::uint32_t>(at_.size()); }
+  std::uint32_t count() const { return boxes_.count(); }
 
  private:
-  std::string kind_;
-  Rng rng_;
-  std::vector<Vec3> at_, size_, velocity_, points_;
+  MovingBoxes boxes_;
+  int step_ = 0;
+  std::vector<Vec3> points_;
 };
 
 // Found by the hierarchy, less what only its volumes say: the boxes of the items decide.
@@ -135,7 +118,8 @@ std::vector<const VolumeKind*> volumes(bool with_hull) {
 }  // namespace
 
 TEST_CASE("every volume with every build finds what all pairs find, while things move", "[bounds][hierarchy]") {
-  const std::string arrangement = GENERATE(from_range(std::begin(kArrangements), std::end(kArrangements)));
+  const std::string arrangement =
+      GENERATE(from_range(std::begin(MovingBoxes::kArrangements), std::end(MovingBoxes::kArrangements)));
   const int steps = kAsserts ? 5 : 20;
   for (const std::uint32_t count : {0u, 1u, 2u}) run(volumes(true), arrangement, count, steps, 1);
   run(volumes(false), arrangement, 257, steps, 4);
@@ -143,7 +127,8 @@ TEST_CASE("every volume with every build finds what all pairs find, while things
 }
 
 TEST_CASE("the same of 4096 boxes over 200 steps", "[bounds][hierarchy][.map]") {
-  const std::string arrangement = GENERATE(from_range(std::begin(kArrangements), std::end(kArrangements)));
+  const std::string arrangement =
+      GENERATE(from_range(std::begin(MovingBoxes::kArrangements), std::end(MovingBoxes::kArrangements)));
   const std::uint32_t count = arrangement == "identical" ? 257 : 4096;
   run(volumes(false), arrangement, count, 200, 2);
   run({&bounding_volume("hull")}, arrangement, 257, 20, 2);
@@ -152,7 +137,8 @@ TEST_CASE("the same of 4096 boxes over 200 steps", "[bounds][hierarchy][.map]") 
 TEST_CASE("builds put every item into one leaf that is not too full", "[bounds][hierarchy]") {
   const auto& build =
       tree_builds()[static_cast<std::size_t>(GENERATE(range(0, static_cast<int>(tree_builds().size()))))];
-  const std::string arrangement = GENERATE(from_range(std::begin(kArrangements), std::end(kArrangements)));
+  const std::string arrangement =
+      GENERATE(from_range(std::begin(MovingBoxes::kArrangements), std::end(MovingBoxes::kArrangements)));
   const std::uint32_t leaf = GENERATE(1u, 4u, 9u);
   for (const std::uint32_t count : {0u, 1u, 3u, 200u}) {
     const Moving m(arrangement, count);

@@ -11,7 +11,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-const std::string kScene = R"(local feder, crate = require 'feder', nil
+const std::string kRecordedScene = R"(local feder, crate = require 'feder', nil
 local push = feder.param('push', 0)
 return {
   title = 't', seconds = 1,
@@ -87,7 +87,7 @@ TEST_CASE("every scene, with an edit in the middle, is the same in its replay at
 
 TEST_CASE("run --record and replay, without the scene", "[cli][recordings]") {
   const Program p;
-  p.write("scene.lua", kScene);
+  p.write("scene.lua", kRecordedScene);
   const Outcome run = p.run("run scene.lua --set push=2 --record a.rec --json");
   REQUIRE(run.status == 0);
   REQUIRE(p.shell("rm scene.lua").status == 0);
@@ -102,7 +102,7 @@ TEST_CASE("run --record and replay, without the scene", "[cli][recordings]") {
   CHECK(list.out.find("world 1 step 21: rigid.set_velocity body \"crate\", (2, 0, 0)\n") != std::string::npos);
   const Outcome facts = p.run("replay a.rec --facts");
   CHECK(facts.out.find("--set: push=2\n") != std::string::npos);
-  CHECK(facts.out.find("scene.lua:\n" + kScene) != std::string::npos);
+  CHECK(facts.out.find("scene.lua:\n" + kRecordedScene) != std::string::npos);
   CHECK(facts.status == 0);
 }
 
@@ -116,7 +116,7 @@ TEST_CASE("a plain script's worlds are recorded, and a run that is stopped", "[c
   const auto worlds = p.run("replay p.rec --json").json()["worlds"];
   REQUIRE(worlds.size() == 2);
   CHECK((worlds[0]["steps"] == 5 && worlds[1]["steps"] == 9));
-  p.write("scene.lua", kScene);
+  p.write("scene.lua", kRecordedScene);
   const Outcome stopped = p.run("run scene.lua --seconds 1e6 --timeout 1 --record s.rec");
   CHECK(stopped.status == 4);
   const Outcome replay = p.run("replay s.rec --json");
@@ -136,7 +136,7 @@ TEST_CASE("feder test --replay holds each run against its replay", "[cli][replay
 
 TEST_CASE("a failed test leaves its recording", "[cli][recordings]") {
   const Program p;
-  std::string text = kScene;
+  std::string text = kRecordedScene;
   text.replace(text.rfind('}'), 1, "check = function(world) expect(false, 'never') end }");
   p.write("scene.lua", "local expect = require('feder').expect\n" + text);
   CHECK(p.run("test scene.lua --artifacts left").status == 1);
@@ -146,7 +146,7 @@ TEST_CASE("a failed test leaves its recording", "[cli][recordings]") {
 
 TEST_CASE("what is no recording, cut off or cannot be written ends in a line", "[cli][recordings]") {
   const Program p;
-  p.write("scene.lua", kScene);
+  p.write("scene.lua", kRecordedScene);
   REQUIRE(p.run("run scene.lua --record a.rec").status == 0);
   REQUIRE(p.shell("(head -c 900 a.rec > cut.rec; sed 's/crate/grate/' a.rec > bad.rec)").status == 0);
   for (const auto& [arguments, status, why] :
@@ -173,7 +173,7 @@ TEST_CASE("what is no recording, cut off or cannot be written ends in a line", "
 
 TEST_CASE("diff names the first step, object and quantity", "[cli][recordings]") {
   const Program p;
-  p.write("scene.lua", kScene);
+  p.write("scene.lua", kRecordedScene);
   for (const char* words : {"--record a.rec", "--record same.rec --threads 2", "--record push.rec --set push=0.001",
                             "--record long.rec --seconds 2", "--record fine.rec --hash-every 0"})
     REQUIRE(p.run(std::string("run scene.lua ") + words).status == 0);

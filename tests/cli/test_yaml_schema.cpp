@@ -127,10 +127,10 @@ forces:
 check: expect(world:is_finite())
 )";
 
-struct Mistake {
+struct SchemaMistake {
   const char *line, *instead, *place;
 };
-constexpr Mistake kMistakes[] = {
+constexpr SchemaMistake kSchemaMistakes[] = {
     {"seconds: 0.05", "secnds: 0.05", "/secnds: is not allowed"},
     {"seconds: 0.05", "seconds: -1", "/seconds: is not above"},
     {"seconds: 0.05", "seconds: long", "/seconds: "},
@@ -194,7 +194,7 @@ TEST_CASE("all scenes in YAML are as their schema says, and run", "[cli][schemas
 }
 
 TEST_CASE("a mistake in a scene in YAML is refused by the schema and by the program", "[cli][schemas][yaml]") {
-  for (const Mistake& mistake : kMistakes) {
+  for (const SchemaMistake& mistake : kSchemaMistakes) {
     CAPTURE(mistake.instead);
     std::string text = kEverything;
     const std::size_t at = text.find(mistake.line);

@@ -31,7 +31,7 @@ BodyDesc solid(ShapePtr shape, Real mass, const Vec3& position) {
 
 const char* const kEdges[] = {"top", "bottom", "left", "right"};
 
-Vec3 vec(const double (&m)[3]) {
+Vec3 vec_of(const double (&m)[3]) {
   return Vec3(static_cast<Real>(m[0]), static_cast<Real>(m[1]), static_cast<Real>(m[2]));
 }
 
@@ -57,7 +57,7 @@ TEST_CASE("a free cloth hit by a body: momentum and angular momentum are kept", 
   ClothDesc d = sheet(13, 1);
   d.substeps = 8;  // of itself, cloth loses angular momentum in proportion to the solver substep
   const ObjectId id = cloth.add_cloth(d);
-  const Vec3 p = vec(w.momentum().linear), l = vec(w.momentum().angular);
+  const Vec3 p = vec_of(w.momentum().linear), l = vec_of(w.momentum().angular);
   int begins = 0;
   for (int k = 0; k < 240; ++k) {
     w.step();
@@ -66,8 +66,8 @@ TEST_CASE("a free cloth hit by a body: momentum and angular momentum are kept", 
   CAPTURE(row, begins);
   CHECK(begins > 0);
   CHECK(rigid.bodies().velocity[rigid.index(body)][1] > Real(-2.7));
-  CHECK(length(vec(w.momentum().linear) - p) < Real(1e-4) * length(p));
-  CHECK(length(vec(w.momentum().angular) - l) < Real(1e-2) * length(l));
+  CHECK(length(vec_of(w.momentum().linear) - p) < Real(1e-4) * length(p));
+  CHECK(length(vec_of(w.momentum().angular) - l) < Real(1e-2) * length(l));
   CHECK(w.is_finite());
 }
 
@@ -123,11 +123,11 @@ TEST_CASE("a ball of 50 m/s takes a free sheet along: momentum passes both ways,
   BodyDesc b = solid(make_sphere(Real(0.05)), Real(0.1), Vec3(Real(0.013), Real(0.8), Real(0.027)));
   b.velocity = Vec3(0, -50, 0);
   const ObjectId body = rigid.add_body(b);
-  const Vec3 p = vec(w.momentum().linear), l = vec(w.momentum().angular);
+  const Vec3 p = vec_of(w.momentum().linear), l = vec_of(w.momentum().angular);
   for (int k = 0; k < 6; ++k) w.step();
   CAPTURE(self, w.momentum().linear[1], rigid.bodies().velocity[rigid.index(body)][1]);
-  CHECK(length(vec(w.momentum().linear) - p) < Real(1e-3) * length(p));
-  CHECK(length(vec(w.momentum().angular) - l) < Real(0.1) * length(l));
+  CHECK(length(vec_of(w.momentum().linear) - p) < Real(1e-3) * length(p));
+  CHECK(length(vec_of(w.momentum().angular) - l) < Real(0.1) * length(l));
   CHECK(rigid.bodies().velocity[rigid.index(body)][1] > -45);
   // the sheet where the ball struck is before it, not behind
   Real ahead = 1;
@@ -349,7 +349,7 @@ TEST_CASE("ties of a sheet to a free body push both: momentum and angular moment
   b.velocity = Vec3(-4, 1, -3);
   const ObjectId body = rigid.add_body(b);
   cloth.attach(id, 0, body, to_local(rigid.pose(body), cloth.point(id, 0)));
-  const Vec3 p = vec(w.momentum().linear), l = vec(w.momentum().angular);
+  const Vec3 p = vec_of(w.momentum().linear), l = vec_of(w.momentum().angular);
   Real widest = 0;
   for (int k = 0; k < 120; ++k) {
     w.step();
@@ -360,8 +360,8 @@ TEST_CASE("ties of a sheet to a free body push both: momentum and angular moment
   CAPTURE(solver, widest, rigid.bodies().velocity[rigid.index(body)][0]);
   CHECK(widest < Real(1.08));
   CHECK(rigid.bodies().velocity[rigid.index(body)][0] > Real(-3.8));
-  CHECK(length(vec(w.momentum().linear) - p) < Real(1e-4) * length(p));
-  CHECK(length(vec(w.momentum().angular) - l) < Real(2e-2) * length(l));
+  CHECK(length(vec_of(w.momentum().linear) - p) < Real(1e-4) * length(p));
+  CHECK(length(vec_of(w.momentum().angular) - l) < Real(2e-2) * length(l));
 }
 
 TEST_CASE("a body on a sheet that hangs from a pin is carried, and its tie goes with the attachment",

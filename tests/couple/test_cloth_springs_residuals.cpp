@@ -16,7 +16,7 @@ double residual(const World& w, std::string_view name) {
   return NAN;
 }
 
-ClothDesc square(std::uint32_t n, Real size) {
+ClothDesc patch(std::uint32_t n, Real size) {
   ClothDesc d;
   d.nx = d.ny = n;
   d.size[0] = d.size[1] = size;
@@ -29,7 +29,7 @@ ClothDesc square(std::uint32_t n, Real size) {
 TEST_CASE("cloth.max_strain is that of the longest edge", "[couple][residuals]") {
   World w(weightless(), kAllButFluid);
   Cloth& cloth = w.need<Cloth>();
-  const ObjectId id = cloth.add_cloth(square(3, 1));
+  const ObjectId id = cloth.add_cloth(patch(3, 1));
   CHECK(std::fabs(residual(w, "cloth.max_strain")) < 1e-6);
   cloth.set_point(id, 0, cloth.point(id, 0) + Vec3(-Real(0.1), 0, 0));  // edges of 0.5 m
   CHECK(residual(w, "cloth.max_strain") == Approx(0.2).epsilon(1e-5));
@@ -39,7 +39,7 @@ TEST_CASE("cloth.small_steps and cloth.row_updates count the work of a step", "[
   double updates[2] = {0, 0};
   for (int k = 0; k < 2; ++k) {
     World w(weightless(), kAllButFluid);
-    ClothDesc d = square(3, 1);
+    ClothDesc d = patch(3, 1);
     d.substeps = k ? 7 : 1;
     const ObjectId id = w.need<Cloth>().add_cloth(d);
     w.step();
@@ -56,7 +56,7 @@ TEST_CASE("contact.guarded and contact.widened: 0 where nothing meets, more wher
   World w(weightless(), kAllButFluid);
   Cloth& cloth = w.need<Cloth>();
   for (int k = 0; k < 2; ++k) {
-    ClothDesc d = square(7, 1);
+    ClothDesc d = patch(7, 1);
     d.self_collision = true;
     d.pose.position = Vec3(0, k ? Real(0.3) : Real(0), k ? Real(0.21) : Real(0));
     if (k) d.pose.rotation = from_axis_angle(Vec3(1, 0, 0), Real(0.4)), d.velocity = Vec3(0, strikes ? -60 : 0, 0);
@@ -77,7 +77,7 @@ TEST_CASE("cloth.sleeping and cloth.quarantined count cloths", "[couple][residua
   Cloth& cloth = w.need<Cloth>();
   ObjectId id[3];
   for (ObjectId& i : id) {
-    ClothDesc d = square(3, 1);
+    ClothDesc d = patch(3, 1);
     d.mask = d.group = 0;
     i = cloth.add_cloth(d);
   }
@@ -101,7 +101,7 @@ TEST_CASE("cloth_rigid.penetration_m is the depth that is there at the end of th
     b.shape = kind == 0 ? make_sphere(Real(0.3)) : kind == 1 ? make_box(1, Real(0.6), 1) : make_capsule(Real(0.3), 1);
     if (kind == 2) b.rotation = from_axis_angle(Vec3(0, 0, 1), kPi / 2);
     w.need<Rigid>().add_body(b);
-    ClothDesc d = square(4, Real(0.6));  // no vertex in the middle: the sphere is deepest in a triangle
+    ClothDesc d = patch(4, Real(0.6));  // no vertex in the middle: the sphere is deepest in a triangle
     d.pose.position = Vec3(0, Real(0.3 - depth), 0);
     for (std::uint32_t i = 0; i < 16; ++i) d.pins.push_back(i);
     w.need<Cloth>().add_cloth(d);
@@ -117,7 +117,7 @@ TEST_CASE("cloth_rigid.penetration_m is the depth that is there at the end of th
     b.type = BodyType::fixed;
     b.shape = make_box(2, Real(0.6), 2);
     w.need<Rigid>().add_body(b);
-    ClothDesc d = square(4, Real(0.6));
+    ClothDesc d = patch(4, Real(0.6));
     d.pose.position = Vec3(0, Real(0.2), 0);
     Cloth& cloth = w.need<Cloth>();
     const ObjectId id = cloth.add_cloth(d);
@@ -142,7 +142,7 @@ TEST_CASE("cloth_rigid.attachment_error_m and springs_rigid.attachment_error_m a
   const ObjectId body = w.need<Rigid>().add_body(b);
   CHECK(std::isnan(residual(w, "cloth_rigid.attachment_error_m")));
   Cloth& cloth = w.need<Cloth>();
-  const ObjectId id = cloth.add_cloth(square(3, 1));
+  const ObjectId id = cloth.add_cloth(patch(3, 1));
   const Vec3 anchor(Real(0.05), 0, 0);
   cloth.attach(id, 4, body, anchor);
   cloth.set_point(id, 4, Vec3(Real(0.05), Real(5.03), Real(0.04)));
@@ -160,7 +160,7 @@ TEST_CASE("contact: pairs that may touch, what was passed on, and that both side
   World w(weightless(), kAllButFluid);
   Cloth& cloth = w.need<Cloth>();
   const auto add = [&](Real y, Real speed) {
-    ClothDesc d = square(6, Real(0.5));
+    ClothDesc d = patch(6, Real(0.5));
     d.pose.position = Vec3(0, y, 0);
     d.velocity = Vec3(0, speed, 0);
     d.friction = 0;

@@ -11,8 +11,8 @@ using namespace feder;
 namespace {
 
 using Pins = std::vector<std::string>;
-const Pins kBorder = {"top", "bottom", "left", "right"},
-           kCorners = {"top_left", "top_right", "bottom_left", "bottom_right"}, kFree = {};
+const Pins kAtBorder = {"top", "bottom", "left", "right"},
+           kAtCorners = {"top_left", "top_right", "bottom_left", "bottom_right"}, kFree = {};
 
 // A sheet at the origin and a fluid without particles, at small steps.
 struct SheetAndFluid {
@@ -59,17 +59,17 @@ void check_jet(const std::string& solver, const Pins& pins, int steps) {
 }  // namespace
 
 TEST_CASE("no particle of a jet of 80 m/s passes a light sheet", "[couple][fluid][cloth][leak]") {
-  check_jet("dfsph", kBorder, 36);
+  check_jet("dfsph", kAtBorder, 36);
 }
 
 TEST_CASE("no particle of a jet of 80 m/s passes a light sheet: pbf and wcsph", "[couple][fluid][cloth][leak][heavy]") {
-  check_jet("pbf", kCorners, 36);
+  check_jet("pbf", kAtCorners, 36);
   check_jet("wcsph", kFree, 36);
 }
 
 TEST_CASE("no particle of a jet of 80 m/s passes a light sheet, with any solver and any pins", "[.][map]") {
   for (const char* solver : {"dfsph", "pbf", "wcsph"})
-    for (const Pins& pins : {kBorder, kCorners, kFree}) check_jet(solver, pins, 120);
+    for (const Pins& pins : {kAtBorder, kAtCorners, kFree}) check_jet(solver, pins, 120);
 }
 
 namespace {
@@ -80,7 +80,7 @@ namespace {
 // m/s.
 void check_hammock(const std::string& solver, Real area_density, double seconds) {
   CAPTURE(solver, area_density);
-  SheetAndFluid s(solver, 17, Real(1.6), kBorder, area_density);
+  SheetAndFluid s(solver, 17, Real(1.6), kAtBorder, area_density);
   World& w = s.w;
   s.fluid.fill(s.id, block(10, 4, 10, s.water.spacing, Vec3(0, Real(0.13), 0)), Vec3::Zero());
   const auto all = [&] {

@@ -60,7 +60,7 @@ Vec3 angular(World& w) {
   return vec3(static_cast<Real>(m.angular[0]), static_cast<Real>(m.angular[1]), static_cast<Real>(m.angular[2]));
 }
 
-WorldDesc weightless() {
+WorldDesc without_gravity() {
   WorldDesc d;
   d.gravity = Vec3(0, 0, 0);
   return d;
@@ -77,7 +77,7 @@ TEST_CASE("a free net hit by a body: momentum and angular momentum are kept", "[
   const char* solver = any_solver();
   const char* integrator = GENERATE("symplectic_euler", "implicit_euler");
   CAPTURE(solver, integrator);
-  WorldDesc wd = weightless();
+  WorldDesc wd = without_gravity();
   wd.dt = 1.0 / 960;  // contact arms are those of the start of a step
   wd.systems["rigid"].set("solver", std::string(solver));
   World w(wd, kSpringsAndRigid);
@@ -199,7 +199,7 @@ TEST_CASE("an attached body hangs on its rope with the right tension", "[couple]
 }
 
 TEST_CASE("an attachment passes momentum exactly", "[couple]") {
-  World w(weightless(), kSpringsAndRigid);
+  World w(without_gravity(), kSpringsAndRigid);
   Rigid& rigid = w.need<Rigid>();
   Springs& springs = w.need<Springs>();
   BodyDesc box;

@@ -3,6 +3,7 @@
 // SI units, world coordinates. Queries go to World::query<Collide>(), between two steps, on the world's thread.
 #pragma once
 #include <memory>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace feder {
 struct Colliders;
 struct Contacts;
 class NarrowPhase;
+enum class BoxMotion : std::uint8_t;
 
 struct RaycastHit {
   std::uint32_t collider = kNone;
@@ -78,6 +80,9 @@ class Collide final : public System, public ContactService {
   // Colliders whose boxes overlap this one, ascending: by the broad phase, with the boxes of this step, from
   // Rank::wake_touched to its end.
   void near(const Aabb& box, Array<std::uint32_t>& found) const;
+  // By collider, as the broad phase had them in the last step.
+  std::span<const Aabb> boxes() const;
+  std::span<const BoxMotion> box_motion() const;  // broad/broad_phase.h
 
   // On the state now, by World::query<Collide>(), which has placed the colliders.
   bool raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit);  // nearest
