@@ -73,6 +73,7 @@ void TestPrinter::close(const report::TestCounts& counts) const {
   const std::string text =
       fmt::format("{} passed, {} failed, {} skipped", counts.passed, counts.failed, counts.skipped);
   fmt::print("{}\n", painted(counts.failed ? kRed : kGreen, text));
+  std::fflush(stdout);  // under --watch what reads it waits for this line
 }
 
 }  // namespace feder::cli

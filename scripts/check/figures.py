@@ -164,6 +164,33 @@ def narrow_phases(feder, _):
     return "\n".join(rows)
 
 
+def broad_phases(feder, _):
+    """Nodes, boxes and ends looked at by box and step, by arrangement; times of boxes.csv over those of `tree`."""
+    methods, rows = [], []
+    for arrangement in ("gas", "pile", "city", "huge_and_tiny", "cluster", "line_up", "identical"):
+        points = json.loads(study(feder, "broad_phase", "--set", f"arrangement={arrangement}", "--set", "boxes=500",
+                                  "--json"))["points"]
+        assert all(p["err_constraint"] == 0 and p["err_end"] == 0 for p in points), arrangement
+        looked = {(p["method"], dict(p["settings"])["speed"]): p["force_evals"] + p["jac_evals"] + p["rejected"]
+                  for p in points}
+        methods = list(dict.fromkeys(p["method"] for p in points))
+        rows.append(f"| {arrangement} | " + " | ".join(f"{looked[m, '0.003']}, {looked[m, '1']}" for m in methods) + " |")
+    lines = [f"| looked at, speed 0.003, 1 | {' | '.join(f'`{m}`' for m in methods)} |",
+             "|---" * (1 + len(methods)) + "|", *rows, ""]
+    rows = rows_of("boxes.csv")
+    kinds = list(dict.fromkeys((r["engine"], r["method"]) for r in rows))
+    names = [f"`{m}`" if e == "feder" else f"{ENGINES[e]} {m}" for e, m in kinds]
+    lines += [f"| boxes, speed | `tree`, us | {' | '.join(names[1:])} |", "|---" * (1 + len(kinds)) + "|"]
+    for where in dict.fromkeys((r["boxes"], r["speed"]) for r in rows):
+        ms = {(r["engine"], r["method"]): float(r["step_ms"]) for r in rows if (r["boxes"], r["speed"]) == where}
+        ratios = [f"{ms[kind] / ms[kinds[0]]:.2f}" for kind in kinds[1:]]
+        lines.append(f"| {where[0]}, {where[1]} | {1e3 * ms[kinds[0]]:.0f} | {' | '.join(ratios)} |")
+    r = next(r for r in rows if r["engine"] == "bullet")
+    lines += ["", f"Processor time of a step, over that of `tree`; Bullet {r['version']}; "
+              f"{r['machine'].replace('_', '-')}, {r['date']}."]
+    return "\n".join(lines)
+
+
 def rows_of(name):
     with open(ROOT / "tests/bench" / name, newline="") as file:
         return list(csv.DictReader(file))
@@ -391,7 +418,7 @@ BLOCKS = {
     "hello": hello, "tree": tree, "rivals": rivals, "sheets": sheets,
     "plot": lambda f, d: stiff_chain(f, d).split("\n")[0], "plan": plan, "variants": variants, "scenes": scenes, "stiff_chain": stiff_chain, "orbit": orbit, "api": api,
     "rivals_all": rivals_all, "tolerances": tolerances, "fluids": fluids, "cloths": cloths,
-    "hierarchies": hierarchies, "narrow_phases": narrow_phases,
+    "hierarchies": hierarchies, "narrow_phases": narrow_phases, "broad_phases": broad_phases,
 }
 renewing = False
 

@@ -89,3 +89,27 @@ TEST_CASE("mistakes in a scene's study name place and key", "[cli]") {
     CHECK(count_lines(o.err) == 1);
   }
 }
+
+TEST_CASE("broad phases are studied on the boxes of a scene", "[cli]") {
+  const Program p;
+  p.write("heap.lua", R"(local feder = require "feder"
+return feder.scene { seconds = 1, build = function(world)
+  world:body { shape = feder.plane(), type = "static" }
+  for i = 1, 12 do world:body { shape = feder.box(1, 1, 1), position = { i % 3, i, 0 }, density = 500 } end
+end })");
+  const auto r = p.run("study broad_phase --boxes heap.lua --json --repeat 0").json();
+  CHECK(r["problem"]["summary"].get<std::string>().find("heap.lua") != std::string::npos);
+  CHECK(r["problem"]["dof"] == 39);
+  REQUIRE(r["points"].size() >= 4 * 8);
+  for (const auto& point : r["points"]) {
+    CAPTURE(point["method"]);
+    CHECK(point["status"] == "ok");
+    CHECK(point["err_end"] == 0);
+    CHECK(point["err_constraint"] == 0);
+  }
+  p.write("empty.lua", "local feder = require 'feder' return feder.scene { seconds = 1, build = function() end }");
+  const Outcome none = p.run("study broad_phase --boxes empty.lua");
+  CHECK(none.status == 2);
+  CHECK(none.err.find("empty.lua has 0 colliders") != std::string::npos);
+  CHECK(p.run("study kepler --boxes heap.lua").err.find("expected the problem broad_phase") != std::string::npos);
+}

@@ -10,7 +10,8 @@ several threads. Overlaps and joint errors are measured from poses, the same way
 
 A run replaces the rows of its scenes in tests/bench/rivals.csv, when it ran all engines, thread counts and steps that
 these rows have; else its rows go to build/compare/rivals.csv. The tables of the documents are made from the former:
-scripts/check/figures.py --renew build/release/feder rivals rivals_all. --sheets hangs up cloth instead: sheets.py.
+scripts/check/figures.py --renew build/release/feder rivals rivals_all. --sheets hangs up cloth instead: sheets.py;
+--boxes compares broad phases: boxes.py.
 """
 import argparse
 import csv
@@ -27,6 +28,7 @@ import subprocess
 import sys
 
 import aims
+import boxes
 import sheets
 
 ROOT = pathlib.Path(__file__).resolve().parents[3]
@@ -50,6 +52,7 @@ def arguments():
     parser.add_argument("--engine", metavar="NAMES", help=f"some of {','.join(ENGINES)}; usually all there are")
     parser.add_argument("--scene", metavar="NAMES", help="separated by commas; usually all")
     parser.add_argument("--sheets", action="store_true", help="cloth in feder and Bullet, at equal worst strain")
+    parser.add_argument("--boxes", action="store_true", help="broad phases of feder and Bullet, on the same boxes")
     parser.add_argument("--threads", metavar="N,N", default="1,2", help="usually 1,2 (Bullet has one)")
     parser.add_argument("--steps", type=int, default=0, help="of every scene; usually each its own number")
     parser.add_argument("--rounds", type=int, default=3, help="usually 3")
@@ -93,7 +96,7 @@ def build(options):
     folders = {name: pathlib.Path(folder).resolve() if folder else ""
                for name, folder in (("BOX3D", options.box3d), ("JOLT", options.jolt))}
     call("cmake", "-S", HERE, "-B", WORK / "programs", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-         f"-DFEDER_PREFIX={WORK / 'prefix'}", *(f"-D{name}={folder}" for name, folder in folders.items()))
+         f"-DFEDER_PREFIX={WORK / 'prefix'}", f"-DFEDER_BUILD={WORK / 'feder'}", *(f"-D{name}={folder}" for name, folder in folders.items()))
     call("cmake", "--build", WORK / "programs")
     kind, names = ("sheet", "sheets.txt") if options.sheets else ("rival", "engines.txt")
     there = (WORK / "programs" / names).read_text().split()
@@ -240,6 +243,10 @@ def main():
     options = arguments()
     lock = alone()
     programs = build(options)
+    if options.boxes:
+        if not (WORK / "programs/boxes").is_file():
+            sys.exit("compare: --boxes needs Bullet (libbullet-dev)")
+        return boxes.main(WORK / "programs/boxes", options, call, versions(options))
     if options.sheets:
         return sheets.main(programs, options, run, versions(options))
     all_scenes = [line.split()[0] for line in call(next(iter(programs.values())), "--list").splitlines()]
