@@ -21,7 +21,7 @@ void Frame::clear() {
   points.clear(), point_groups.clear(), liquids.clear(), foam.clear(), notes.clear();
   lines.clear(), outlines.clear(), overlay_lines.clear(), labels.clear(), plots.clear();
   moving = bounds = Bounds{};
-  deeper_volumes = false;
+  deeper_volumes = deeper_cells = false;
 }
 
 namespace {

@@ -136,12 +136,12 @@ struct Frame {
   std::vector<Liquid> liquids;
   std::vector<float> foam;          // 0 .. 1, by vertex of a liquid
   std::vector<Line> lines;          // hidden by what is in front
-  std::vector<Line> outlines;       // of volumes: the same, but the camera is not fitted to them
+  std::vector<Line> outlines;       // of volumes and cells: the same, but the camera is not fitted to them
   std::vector<Line> overlay_lines;  // seen through everything: joints, contacts
   std::vector<Label> labels;
   std::vector<PlotValue> plots;
   std::vector<Note> notes;
-  bool deeper_volumes = false;  // below the level that is drawn
+  bool deeper_volumes = false, deeper_cells = false;  // below the level that is drawn
 
   Bounds moving;  // of what is not fixed
   Bounds bounds;  // of everything finite

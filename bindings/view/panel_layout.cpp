@@ -47,11 +47,17 @@ bool PanelLayout::has_selection() {
   return true;
 }
 
+static void next_level(bool& on, int& level, bool there_is_more) {
+  const bool deeper = on && there_is_more && level < kMaxVolumeLevel;
+  level = deeper ? level + 1 : 0;
+  on = deeper || !on;
+}
+
 void next_volumes(PanelLayout& layout) {
-  Toggles& t = layout.toggles;
-  const bool deeper = t.volumes && layout.deeper_volumes && t.volume_level < kMaxVolumeLevel;
-  t.volume_level = deeper ? t.volume_level + 1 : 0;
-  t.volumes = deeper || !t.volumes;
+  next_level(layout.toggles.volumes, layout.toggles.volume_level, layout.deeper_volumes);
+}
+void next_cells(PanelLayout& layout) {
+  next_level(layout.toggles.cells, layout.toggles.cell_level, layout.deeper_cells);
 }
 
 PanelSizes panel_sizes(const PanelLayout& layout, float width, float height) {

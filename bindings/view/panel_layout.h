@@ -50,7 +50,7 @@ struct PanelLayout {
   std::string selected_name;      // finds it again after a reload
   std::uint64_t selected_in = 0;  // generation of the scene
   bool follow = false;
-  bool deeper_volumes = false;  // below the level that is drawn
+  bool deeper_volumes = false, deeper_cells = false;  // below the level that is drawn
   int shots = 0;
   float shot_speed = 20;  // m/s
 
@@ -72,8 +72,9 @@ struct PanelLayout {
   void select(const std::optional<Pick>& pick);
 };
 
-// The volumes of the next level, then none, then the first level.
+// The volumes or cells of the next level, then none, then the first level.
 void next_volumes(PanelLayout& layout);
+void next_cells(PanelLayout& layout);
 
 // Where the panels stand, in mouse units.
 struct PanelSizes {

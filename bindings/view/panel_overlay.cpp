@@ -66,7 +66,7 @@ void draw_messages(PanelLayout& layout, const PanelSizes& sizes) {
 }
 
 void draw_notes(const PanelLayout& layout, const PanelSizes& sizes) {
-  if (layout.notes.empty() && !layout.toggles.volumes) return;
+  if (layout.notes.empty() && !layout.toggles.volumes && !layout.toggles.cells) return;
   const float width = std::max(100.0f, sizes.width - sizes.left - sizes.right - 20);
   ImGui::SetNextWindowPos({sizes.left + 10, sizes.height - sizes.bottom - sizes.console - 8}, ImGuiCond_Always, {0, 1});
   ImGui::SetNextWindowBgAlpha(0.7f);
@@ -75,6 +75,8 @@ void draw_notes(const PanelLayout& layout, const PanelSizes& sizes) {
   for (const std::string& note : layout.notes) colored_text(ink::kWarn, note.c_str());
   if (layout.toggles.volumes)
     ImGui::Text("volumes: level %d%s", layout.toggles.volume_level, layout.deeper_volumes ? "" : ", the last");
+  if (layout.toggles.cells)
+    ImGui::Text("cells: level %d%s", layout.toggles.cell_level, layout.deeper_cells ? "" : ", the last");
   ImGui::PopTextWrapPos();
   ImGui::End();
 }
@@ -145,6 +147,7 @@ void draw_help(PanelLayout& layout, const PanelSizes& sizes) {
                                         {"F", "show everything"},
                                         {"T", "follow the selected thing"},
                                         {"V", "volumes of meshes, and boxes: next level, then none"},
+                                        {"C", "nodes or cells of the broad phase: likewise"},
                                         {"", ""},
                                         {"P", "pin what is held or selected, or free it"},
                                         {"B", "shoot a ball at the mouse"},

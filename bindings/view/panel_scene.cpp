@@ -123,13 +123,15 @@ void draw_toggles(PanelLayout& layout) {
     ImGui::Checkbox(t.name, &(layout.toggles.*t.field));
     if (ImGui::IsItemHovered()) ImGui::SetTooltip("%s", t.help);
   }
-  if (layout.toggles.volumes) {
+  const auto slide = [&](const char* label, const char* id, int& level) {
     ImGui::AlignTextToFramePadding();
-    ImGui::TextDisabled("volumes, level");
+    ImGui::TextDisabled("%s", label);
     ImGui::SameLine(half + 12);
     ImGui::SetNextItemWidth(-1);
-    ImGui::SliderInt("##level", &layout.toggles.volume_level, 0, 24, "%d", ImGuiSliderFlags_AlwaysClamp);
-  }
+    ImGui::SliderInt(id, &level, 0, 24, "%d", ImGuiSliderFlags_AlwaysClamp);
+  };
+  if (layout.toggles.volumes) slide("volumes, level", "##level", layout.toggles.volume_level);
+  if (layout.toggles.cells) slide("cells, level", "##cells", layout.toggles.cell_level);
   ImGui::AlignTextToFramePadding();
   ImGui::TextDisabled("fluids by");
   ImGui::SameLine(half + 12);

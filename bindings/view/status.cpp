@@ -49,6 +49,7 @@ void scene_json(PanelLayout& layout, const Target& t, float scale, Json& json) {
   json["handler_errors"] = errors;
   json["params"] = live.user_params();
   json["volumes"] = layout.toggles.volumes ? Json(layout.toggles.volume_level) : Json();
+  json["cells"] = layout.toggles.cells ? Json(layout.toggles.cell_level) : Json();
   json["held"] = live.held().has_value();
   json["selected"] = layout.has_selection() ? Json(live.world().objects().describe(layout.selected->object)) : Json();
   json["objects"] = screen_json(layout, t, scale);

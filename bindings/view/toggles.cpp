@@ -27,6 +27,7 @@ std::span<const ToggleInfo> toggle_list() {
       {"islands", "islands of bodies that touch or are joined", &Toggles::islands},
       {"bounds", "bounding boxes", &Toggles::bounds},
       {"volumes", "bounding volumes of the indices of meshes, by level; other shapes: boxes", &Toggles::volumes},
+      {"cells", "nodes or cells of the broad phase, by level; of cullide what its views leave", &Toggles::cells},
       {"labels", "names", &Toggles::labels},
       {"marks", "events of the step", &Toggles::marks},
       {"plots", "energy and penetration", &Toggles::plots},
@@ -42,14 +43,15 @@ std::span<const char* const> point_scalars() {
 
 namespace {
 
-void set_volume_level(Toggles& toggles, std::string_view layer, std::string_view text) {
+void set_level(Toggles& toggles, std::string_view layer, std::string_view text) {
   int level = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), level);
-  if (layer != "volumes" || error != std::errc() || end != text.data() + text.size() || level < 0 ||
-      level > kMaxVolumeLevel)
-    throw SceneError("layer '" + std::string(layer) + "': expected a value of volumes only, a level from 0 to " +
+  if ((layer != "volumes" && layer != "cells") || error != std::errc() || end != text.data() + text.size() ||
+      level < 0 || level > kMaxVolumeLevel)
+    throw SceneError("layer '" + std::string(layer) +
+                     "': expected a value of volumes or cells only, a level from 0 to " +
                      std::to_string(kMaxVolumeLevel) + ", got '" + std::string(text) + "'");
-  toggles.volume_level = level;
+  (layer == "cells" ? toggles.cell_level : toggles.volume_level) = level;
 }
 
 }  // namespace
@@ -77,7 +79,7 @@ void set_toggles(Toggles& toggles, std::string_view list) {
       throw SceneError("unknown layer '" + std::string(word) + "'; known: " + known +
                        (near.empty() ? "" : "; did you mean '" + near + "'?"));
     }
-    if (valued) set_volume_level(toggles, word, value);
+    if (valued) set_level(toggles, word, value);
     if (on && word == "liquid") toggles.liquid_limit = std::numeric_limits<std::size_t>::max();
     if (number < toggle_list().size())
       toggles.*toggle_list()[number].field = on;

@@ -25,12 +25,14 @@ struct Toggles {
   bool islands = false;                     // bodies of a sleeping island are joined by lines
   bool bounds = false;                      // boxes of the broad phase
   bool volumes = false;                     // of the indices of meshes, at volume_level
+  bool cells = false;                       // of the broad phase, at cell_level
   bool labels = false;                      // names
   bool marks = false;                       // this step's events
   bool plots = false;                       // energy, penetration
   bool temporal = false;                    // cloth that trembles is drawn at rest
   std::size_t liquid_limit = kLiquidLimit;  // particles of a fluid in space up to which its surface is built
   int volume_level = 0;                     // below the volume of the whole
+  int cell_level = 0;                       // below the root
   const char* point_scalar = "speed";       // what colours points: "speed", "density", "pressure", "none"
 };
 
@@ -41,8 +43,8 @@ struct ToggleInfo {
 };
 std::span<const ToggleInfo> toggle_list();
 std::span<const char* const> point_scalars();
-// "contacts,joints" on, "-springs" off, "volumes=3" on at that level, "density" colours points by it; SceneError that
-// lists the known names.
+// "contacts,joints" on, "-springs" off, "volumes=3" and "cells=3" on at that level, "density" colours points by it;
+// SceneError that lists the known names.
 void set_toggles(Toggles& toggles, std::string_view list);
 
 }  // namespace feder::view

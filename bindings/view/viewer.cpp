@@ -136,7 +136,7 @@ class Viewer {
     collector_.collect(live_.world(), live_.script().appearance(), layout_.toggles, frame_);
     layout_.notes.assign(frame_.notes.size(), {});
     for (std::size_t i = 0; i < frame_.notes.size(); ++i) layout_.notes[i] = frame_.notes[i].text;
-    layout_.deeper_volumes = frame_.deeper_volumes;
+    layout_.deeper_volumes = frame_.deeper_volumes, layout_.deeper_cells = frame_.deeper_cells;
     highlight();
   }
 

@@ -56,6 +56,7 @@ void ViewerInput::keys(PanelLayout& layout, const Window& window) {
   if (hit(GLFW_KEY_MINUS) || hit(GLFW_KEY_KP_SUBTRACT)) live.set_speed(live.speed() / 2);
   if (hit(GLFW_KEY_F)) layout.fit = true;
   if (hit(GLFW_KEY_V)) next_volumes(layout);
+  if (hit(GLFW_KEY_C)) next_cells(layout);
   if (hit(GLFW_KEY_T)) layout.follow = layout.has_selection() && !layout.follow;
   if (hit(GLFW_KEY_P)) {
     if (live.held())

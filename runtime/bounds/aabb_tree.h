@@ -64,6 +64,11 @@ class AabbTree {
     for (std::uint32_t at = leaf, above = nodes_[at].parent; above != kNone; at = above, above = nodes_[at].parent)
       if (nodes_[above].child[0] == at) descend_from(nodes_[above].child[1], test, visit);
   }
+  // Calls visit(box) for the nodes so many steps below the root and the leaves above them. Are there others below?
+  template <class Visit>
+  bool nodes_at(int level, Visit&& visit) const {
+    return root_ != kNone && nodes_below(root_, level, visit);
+  }
   template <class Visit>
   void query_ray(const Vec3& origin, const Vec3& ray, Visit&& visit) const {
     descend([&](const Aabb& node) { return segment_hits(node, origin, ray); }, visit);
@@ -101,6 +106,14 @@ class AabbTree {
         descend_from(node.child[1], test, visit);
       }
     }
+  }
+
+  template <class Visit>
+  bool nodes_below(std::uint32_t at, int level, Visit& visit) const {
+    const Node& n = nodes_[at];
+    if (level == 0 || n.leaf()) return visit(n.box), !n.leaf();
+    const bool first = nodes_below(n.child[0], level - 1, visit);
+    return nodes_below(n.child[1], level - 1, visit) || first;
   }
 
   std::uint32_t take();

@@ -22,6 +22,10 @@ class CellGrid {
   void reserve(std::uint32_t count) { start_.reserve(most_cells(count) + 1), cell_.reserve(count); }
 
   int cells(int axis) const { return cells_[axis]; }
+  Aabb cell(int x, int y, int z) const {  // those at the rim hold what lies beyond, too
+    const Vec3 lo = Vec3(origin_[0], origin_[1], origin_[2]) + Vec3(Real(x), Real(y), Real(z)) / inv_cell_;
+    return {lo, lo + Vec3::Constant(1 / inv_cell_)};
+  }
   int coordinate(int axis, Real x) const {
     const Real t = (x - origin_[axis]) * inv_cell_;
     const Real last = static_cast<Real>(cells_[axis] - 1);

@@ -17,9 +17,14 @@ class DepthViews {
  public:
   explicit DepthViews(Arena& arena) : depth_(&arena), seen_(&arena) {}
 
+  // As many as there are boxes, four times as many along a side, up to 256 along it.
+  static int pixels_for(std::size_t count) {
+    int side = 16;
+    while (side < 256 && static_cast<std::size_t>(side) * static_cast<std::size_t>(side) < 16 * count) side *= 2;
+    return side;
+  }
   // Takes out of `set`, ascending, those that overlap no other of it. `pixels`: of each view, along a side, a multiple
-  // of
-  // 8. Finite boxes with lo <= hi. The same for any number of threads. Returns how many boxes were drawn.
+  // of 8. Finite boxes with lo <= hi. The same for any number of threads. Returns how many boxes were drawn.
   std::uint64_t cull(const Array<Aabb>& boxes, int pixels, Array<std::uint32_t>& set, JobPool& jobs);
 
  private:

@@ -44,6 +44,11 @@ class BroadPhase {
   virtual void query_still(const Aabb& box, Array<std::uint32_t>& found) const { query(box, found); }
   virtual void query_ray(const Vec3& origin, const Vec3& ray, Array<std::uint32_t>& found) const = 0;
 
+  // For pictures: calls take(to, box) for what the last find_pairs() searched by. Of a tree the nodes `level` steps
+  // below its root and the leaves above them; of grids the cells in use, a grid a level, the widest first; of `cullide`
+  // the boxes that its views left. Is there a level below? Others have none.
+  virtual bool cells_at(int, void (*)(void* to, const Aabb&), void*) const { return false; }
+
   // Of the last find_pairs(), without what building takes. For studies: searches are repeated to be counted.
   virtual BroadWork work() const = 0;
 };

@@ -18,7 +18,7 @@ class CullideIndex {
 
   void build(const Array<Aabb>& boxes, const Array<std::uint32_t>& listed, JobPool& jobs) {
     left_.assign(listed.begin(), listed.end());
-    drawn_ = views_.cull(boxes, pixels(listed.size()), left_, jobs);
+    drawn_ = views_.cull(boxes, DepthViews::pixels_for(listed.size()), left_, jobs);
     meets_.assign(boxes.size(), 0);
     for (const std::uint32_t i : left_) meets_[i] = 1;
     choose_axis(boxes, listed);
@@ -65,15 +65,16 @@ class CullideIndex {
     for (const std::uint32_t i : sorted_) visit(i);
   }
 
+  template <class F>
+  bool cells_at(int level, F&& draw) const {
+    if (level == 0)
+      for (const Aabb& b : rest_boxes_) draw(b);
+    return false;
+  }
+
   std::uint64_t drawn() const { return drawn_; }
 
  private:
-  static int pixels(std::size_t count) {
-    int side = 16;
-    while (side < 256 && static_cast<std::size_t>(side) * static_cast<std::size_t>(side) < 16 * count) side *= 2;
-    return side;
-  }
-
   void choose_axis(const Array<Aabb>& boxes, const Array<std::uint32_t>& listed) {
     double most = -1;
     for (int k = 0; k < 3; ++k) {

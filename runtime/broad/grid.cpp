@@ -75,6 +75,16 @@ class GridIndex {
     for (const std::uint32_t i : large_) visit(i);
   }
 
+  template <class F>
+  bool cells_at(int level, F&& draw) const {
+    if (level > 0 || item_.empty()) return false;
+    for (int z = 0; z < cells_.cells(2); ++z)
+      for (int y = 0; y < cells_.cells(1); ++y)
+        for (int x = 0; x < cells_.cells(0); ++x)
+          if (cells_.first(x, y, z) < cells_.last(x, y, z)) draw(cells_.cell(x, y, z));
+    return false;
+  }
+
  private:
   static double side(const Aabb& b) { return static_cast<double>(Vec3(b.hi - b.lo).maxCoeff()); }
   static Vec3 middle(const Aabb& b) { return Real(0.5) * (b.lo + b.hi); }

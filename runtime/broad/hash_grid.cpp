@@ -88,6 +88,28 @@ class HashGridIndex {
     }
   }
 
+  template <class F>
+  bool cells_at(int level, F&& draw) const {
+    std::vector<int> exponents;
+    for (const Level& l : levels_) exponents.push_back(l.exponent);
+    std::sort(exponents.rbegin(), exponents.rend());
+    if (level >= static_cast<int>(exponents.size())) return false;
+    const double width = std::ldexp(1.0, exponents[static_cast<std::size_t>(level)]);
+    for (std::size_t k = 0; k < sorted_.size(); ++k) {
+      const Entry& e = sorted_[k];
+      if (levels_[e.level].exponent != exponents[static_cast<std::size_t>(level)]) continue;
+      bool drawn = false;  // with an earlier one of its bucket
+      for (std::size_t j = start_[bucket(e.level, e.cell)]; j < k; ++j)
+        drawn = drawn || (sorted_[j].level == e.level && sorted_[j].cell == e.cell);
+      const auto corner = [&](int more) {
+        const auto along = [&](CellNumber n) { return static_cast<Real>(width * static_cast<double>(n + more)); };
+        return Vec3(along(e.cell.x), along(e.cell.y), along(e.cell.z));
+      };
+      if (!drawn) draw(Aabb{corner(0), corner(1)});
+    }
+    return level + 1 < static_cast<int>(exponents.size());
+  }
+
  private:
   static constexpr int kBits = 40;
   static constexpr double kWider = 1.5;

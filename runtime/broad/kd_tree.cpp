@@ -79,6 +79,11 @@ class KdTreeIndex {
     }
   }
 
+  template <class F>
+  bool cells_at(int level, F&& draw) const {
+    return !nodes_.empty() && nodes_below(0, level, draw);
+  }
+
  private:
   static constexpr std::uint32_t kLeaf = 8;
   static constexpr std::int32_t kLeafAxis = 3;
@@ -97,6 +102,24 @@ class KdTreeIndex {
       from = std::fmax(from, (most - o) / r);
     else if (o > most)
       to = -1;
+  }
+
+  Aabb bounds_of(std::uint32_t node) const {
+    const Node& n = nodes_[node];
+    Aabb all;
+    if (n.axis != kLeafAxis) {
+      all = bounds_of(n.first), all.include(bounds_of(n.first + 1));
+      return all;
+    }
+    for (std::uint32_t k = n.first; k < n.end; ++k) all.include(boxes_[k]);
+    return all;
+  }
+  template <class F>
+  bool nodes_below(std::uint32_t at, int level, F& draw) const {
+    const Node& n = nodes_[at];
+    if (level == 0 || n.axis == kLeafAxis) return draw(bounds_of(at)), n.axis != kLeafAxis;
+    const bool first = nodes_below(n.first, level - 1, draw);
+    return nodes_below(n.first + 1, level - 1, draw) || first;
   }
 
   void split(std::uint32_t node, const Array<Aabb>& boxes) {

@@ -50,6 +50,10 @@ class OctreeIndex {
     descend([&](const Aabb& bounds) { return segment_hits(bounds, origin, ray); },
             [&](std::uint32_t k) { visit(item_[k]); });
   }
+  template <class F>
+  bool cells_at(int level, F&& draw) const {
+    return !nodes_.empty() && nodes_below(0, level, draw);
+  }
 
  private:
   static constexpr std::uint32_t kDeepest = 20, kFew = 8;
@@ -126,6 +130,15 @@ class OctreeIndex {
     }
     node.children = static_cast<std::uint32_t>(nodes_.size()) - node.child;
     nodes_[n] = node;
+  }
+
+  template <class F>
+  bool nodes_below(std::uint32_t at, int level, F& draw) const {
+    const Node& n = nodes_[at];
+    if (level == 0 || n.children == 0) return draw(n.bounds), n.children > 0;
+    bool deeper = false;
+    for (std::uint32_t k = 0; k < n.children; ++k) deeper = nodes_below(n.child + k, level - 1, draw) || deeper;
+    return deeper;
   }
 
   template <class Test, class F>

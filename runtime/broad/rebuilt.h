@@ -18,6 +18,7 @@ namespace feder {
 //    `once` says that the query of i does not find this box;
 //  - keep(asking), if it has it: drops those that are in no pair;
 //  - drawn(), if it has it: what else it looked at while it was built;
+//  - cells_at(level, draw), if it has it: as that of BroadPhase, with draw(box);
 //  - query_ray(origin, ray, visit): visit(i) at least once for each that the segment hits, and for others.
 template <class Index>
 class RebuiltPhase final : public BroadPhase {
@@ -60,6 +61,14 @@ class RebuiltPhase final : public BroadPhase {
     for (const std::uint32_t i : side_) visit(i);
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
+  }
+
+  bool cells_at(int level, void (*take)(void*, const Aabb&), void* to) const override {
+    const auto draw = [&](const Aabb& box) { take(to, box); };
+    if constexpr (requires { index_.cells_at(level, draw); })
+      return index_.cells_at(level, draw);
+    else
+      return false;
   }
 
   BroadWork work() const override {

@@ -99,6 +99,12 @@ class Tree final : public BroadPhase {
     std::sort(found.begin(), found.end());
   }
 
+  bool cells_at(int level, void (*take)(void*, const Aabb&), void* to) const override {
+    const auto draw = [&](const Aabb& box) { take(to, box); };
+    const bool deeper = still_.nodes_at(level, draw);
+    return moving_.nodes_at(level, draw) || deeper;
+  }
+
   // The boxes that are looked at, those whose neighbours were found anew, and candidates.
   BroadWork work() const override {
     Counted all;

@@ -44,6 +44,9 @@ const NarrowPhase& Collide::narrow() const { return impl_->narrow; }
 void Collide::near(const Aabb& box, Array<std::uint32_t>& found) const { impl_->broad->query(box, found); }
 std::span<const Aabb> Collide::boxes() const { return impl_->colliders->box; }
 std::span<const BoxMotion> Collide::box_motion() const { return impl_->motion; }
+bool Collide::cells_at(int level, void (*take)(void*, const Aabb&), void* to) const {
+  return impl_->broad->cells_at(level, take, to);
+}
 void Collide::forget(std::uint32_t collider) { impl_->forget(collider); }
 
 void Collide::residuals(std::vector<Residual>& out) const {

@@ -45,9 +45,9 @@ TEST_CASE("what finds contacts of a soft body with itself is named", "[lua][soft
       jelly:destroy()
     end
     print(pcall(function() world:soft{ shape = feder.box(1, 1, 1), self = "sphere_tre" } end))
-  )") == "swept_boxes\ttrue\nhash\ttrue\nsphere_tree\ttrue\n"
+  )") == "swept_boxes\ttrue\nhash\ttrue\nsphere_tree\ttrue\ncullide\ttrue\n"
          "false\ttest.lua:8: world:soft: unknown search of self-contact 'sphere_tre'; known: swept_boxes, hash, "
-         "sphere_tree\n");
+         "sphere_tree, cullide\n");
 }
 
 TEST_CASE("a soft body breaks in parts, and an event says where", "[lua][soft]") {

@@ -127,6 +127,10 @@ TEST_CASE("toggles are found by name", "[view]") {
   CHECK_FALSE(t.volumes);
   for (const char* bad : {"volumes=", "volumes=-1", "volumes=2x", "volumes=65", "joints=1"})
     CHECK_THROWS_WITH(set_toggles(t, bad), Catch::Contains("a level from 0 to 64, got '"));
+  set_toggles(t, "cells=2");
+  CHECK(t.cells);
+  CHECK(t.cell_level == 2);
+  CHECK(t.volume_level == 3);
   CHECK_THROWS_WITH(set_toggles(t, "volume=3"), Catch::Contains("did you mean 'volumes'"));
 }
 
@@ -164,6 +168,38 @@ TEST_CASE("volumes are drawn by level, where a mesh stands", "[view]") {
     CHECK(f.notes.empty());
   }
   CHECK(subject_of(f).longest_side() == subject_of(collected(world)).longest_side());
+}
+
+TEST_CASE("what the broad phase searches by is drawn, level by level", "[view]") {
+  const std::string broad =
+      GENERATE(as<std::string>{}, "tree", "octree", "kd_tree", "grid", "hash_grid", "cullide", "sweep_prune");
+  CAPTURE(broad);
+  WorldDesc desc;
+  desc.options.set("broad_phase", broad);
+  World world(desc, catalog());
+  for (int i = 0; i < 40; ++i) add_box(world, vec3(1, 1, 1), vec3(Real(3 * (i % 8)), Real(1.9 * (i / 8)), 0));
+  world.step();
+  Toggles toggles;
+  CHECK(collected(world, toggles).outlines.empty());
+  Collector collector;
+  Frame f;
+  std::size_t levels = 0;
+  for (set_toggles(toggles, "cells"); levels < 30; ++levels, ++toggles.cell_level) {
+    collector.collect(world, nullptr, toggles, f);
+    CAPTURE(levels, f.outlines.size());
+    CHECK(f.outlines.size() % 12 == 0);
+    CHECK(f.outlines.empty() == (broad == "sweep_prune" || broad == "cullide"));  // views see all apart
+    CHECK(f.notes.empty() == !f.outlines.empty());
+    Aabb all;
+    for (const Line& l : f.outlines) all.include(vec3(l.a.x, l.a.y, l.a.z)), all.include(vec3(l.b.x, l.b.y, l.b.z));
+    if (broad == "tree" || broad == "octree" || broad == "kd_tree") {  // nodes of a level hold all boxes
+      CHECK(all.lo[0] <= Real(-0.49));
+      CHECK(all.hi[0] >= Real(21.49));
+    }
+    if (!f.deeper_cells) break;
+  }
+  const bool tree = broad == "tree" || broad == "octree" || broad == "kd_tree";
+  CHECK((levels >= 2) == tree);
 }
 
 TEST_CASE("volumes beyond what a picture can show are left out, and a note says so", "[view]") {

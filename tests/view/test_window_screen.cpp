@@ -181,6 +181,14 @@ TEST_CASE("a key goes through the levels of volumes, and draws none after the la
   }
   screen.input("key v");
   CHECK(screen.wait([](const json& s) { return s["volumes"].is_null(); }));
+  int level = 0;  // of the broad phase's tree, which has a few
+  for (bool drawn = true; drawn && level < 8; ++level) {
+    screen.input("key c");
+    CHECK(screen.wait([&](const json& s) { return s["cells"] == level || (level > 0 && s["cells"].is_null()); }));
+    drawn = !screen.status()["cells"].is_null();
+  }
+  CHECK(level > 1);
+  CHECK(level < 8);
   CHECK(screen.wait_picture([&](const Screen::Shot& now) { return test::difference(before, now) < 0.01; }));
 }
 

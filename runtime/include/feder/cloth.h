@@ -47,9 +47,9 @@ struct ClothDesc {
   // neither contact nor friction between the parts that cross. With more crossings than edges, both have no contact
   // with itself until there are half as many. What does not come apart is reported by the warning `tangled`.
   std::string inside = "guard";
-  std::string self;         // what finds candidates of self-contact: "swept_boxes" (when empty), "hash", "sphere_tree"
-  bool wind = true;         // forces that act on areas (wind) act on it
-  Real drag = 1, lift = 1;  // shares of the pressure along the flow and across it
+  std::string self;              // what finds candidates of self-contact: of box_searches(), "swept_boxes" when empty
+  bool wind = true;              // forces that act on areas (wind) act on it
+  Real drag = 1, lift = 1;       // shares of the pressure along the flow and across it
   Real tear_strain = kInfinity;  // an edge stretched more than this breaks
   // Strain limit of edges; kInfinity: none. < 0: kMaxStrain where the cloth has pins or attachments, and none for cloth
   // that tears or flows.

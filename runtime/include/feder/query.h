@@ -83,6 +83,8 @@ class Collide final : public System, public ContactService {
   // By collider, as the broad phase had them in the last step.
   std::span<const Aabb> boxes() const;
   std::span<const BoxMotion> box_motion() const;  // broad/broad_phase.h
+  // For pictures: what the broad phase searches by, at a level: its nodes or cells. Is there a level below?
+  bool cells_at(int level, void (*take)(void* to, const Aabb&), void* to) const;
 
   // On the state now, by World::query<Collide>(), which has placed the colliders.
   bool raycast(const Vec3& origin, const Vec3& ray, const QueryFilter& filter, RaycastHit& hit);  // nearest

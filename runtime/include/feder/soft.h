@@ -39,7 +39,7 @@ struct SoftDesc {
   Real thickness = 0;          // m, between two skins; half of it to bodies; 0: a tenth of the mean edge of the skin
   Real friction = Real(0.5);
   bool self_collision = true;
-  std::string self;  // search of its own for candidates of self-contact: "swept_boxes", "hash", "sphere_tree"; when
+  std::string self;  // search of its own for candidates of self-contact, of box_searches(): "swept_boxes" ...; when
                      // empty, they are found together with those of other surfaces
   Real gravity_scale = 1;
   std::uint32_t group = 1, mask = 0xffffffffu;
