@@ -1,5 +1,8 @@
 // Boxes of a scene's colliders, recorded while it runs, for studies of broad phases.
+#include <algorithm>
+
 #include "cli/command.h"
+#include "cli/session.h"
 #include "cli/study_parts.h"
 #include "feder/lua.h"
 #include "feder/query.h"
