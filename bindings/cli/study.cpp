@@ -72,8 +72,6 @@ class Study final : public Command {
       throw Failure(kUsage, "feder study: expected one PROBLEM or scene (feder study --list names them)");
     if (resume_ && out_.empty()) throw Failure(kUsage, "feder study: --resume needs the --out of the stopped study");
     StudyContext context = new_context(options);
-    if (!boxes_.empty() && words_[0] != "broad_phase")
-      throw Failure(kUsage, "feder study: --boxes: expected the problem broad_phase, got '{}'", words_[0]);
     const auto problem = boxes_.empty() ? open_problem(words_[0], options) : open_boxes(boxes_, options);
     const std::string file = boxes_.empty() ? problem_file(words_[0]) : boxes_;
     const StudyResult result = sweep(*problem, file, options, methods_, ladders_, context, out_);
@@ -93,6 +91,8 @@ class Study final : public Command {
     for (const std::string& name : split_list(gate_))
       if (name != "cost" && name != "error" && name != "size")
         throw Failure(kUsage, "feder study: --gate: expected cost, error or size, got '{}'", name);
+    if (!boxes_.empty() && words_ != std::vector<std::string>{"broad_phase"})
+      throw Failure(kUsage, "feder study: --boxes: expected the problem broad_phase, got '{}'", fmt::join(words_, " "));
     if (!gate_.empty() && baseline_.empty()) throw Failure(kUsage, "feder study: --gate needs a --baseline");
   }
 
