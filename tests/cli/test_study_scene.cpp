@@ -111,7 +111,6 @@ end })");
   const Outcome none = p.run("study broad_phase --boxes empty.lua");
   CHECK(none.status == 2);
   CHECK(none.err.find("empty.lua has 0 colliders") != std::string::npos);
-  CHECK(p.run("study --suite core --boxes heap.lua").err.find("expected the problem broad_phase") !=
-        std::string::npos);
+  CHECK(p.run("study --suite core --boxes heap.lua").err.find("expected the problem broad_phase") != std::string::npos);
   CHECK(p.run("study kepler --boxes heap.lua").err.find("expected the problem broad_phase") != std::string::npos);
 }
